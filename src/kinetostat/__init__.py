@@ -1,0 +1,82 @@
+"""Kinetostatics of URDF robots, every number computed twice: by Pinocchio, and by screw theory.
+
+    import kinetostat as ks
+
+    panda = ks.load("example:panda")
+    q = ks.configuration(panda.robot, "random:1").q
+    result = ks.jacobian(panda, "panda_hand", q, reference="local")
+    result.matrix, result.columns, result.certificate.max_difference
+
+Six-vectors have their linear part first, lengths are metres, angles radians. Everything named in `__all__` is public;
+nothing else is.
+"""
+
+from kinetostat.analysis.configuration import Configuration, configuration, joint_rates, random_configurations
+from kinetostat.analysis.crosscheck import Certificate
+from kinetostat.analysis.euler import EulerSequence
+from kinetostat.analysis.jacobian import Jacobian, jacobian
+from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
+from kinetostat.analysis.summary import Chain, Summary, summary
+from kinetostat.conventions import Order, Reference, Velocity, WrenchOrTwist
+from kinetostat.engines.model import Model, load
+from kinetostat.errors import (
+    AmbiguousNameError,
+    ConfigurationError,
+    DisagreementError,
+    EngineError,
+    KinetostatError,
+    LimitError,
+    NumberError,
+    RepresentationError,
+    RobotError,
+    SourceError,
+    StructureError,
+    UnknownNameError,
+    UsageError,
+    XmlError,
+)
+from kinetostat.urdf.description import Joint, JointType, Link, Robot
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "AmbiguousNameError",
+    "Certificate",
+    "Chain",
+    "Configuration",
+    "ConfigurationError",
+    "DisagreementError",
+    "EngineError",
+    "EulerSequence",
+    "FrameChange",
+    "Jacobian",
+    "Joint",
+    "JointType",
+    "KinetostatError",
+    "LimitError",
+    "Link",
+    "Model",
+    "NumberError",
+    "Order",
+    "Placement",
+    "Reference",
+    "RepresentationError",
+    "Robot",
+    "RobotError",
+    "SourceError",
+    "StructureError",
+    "Summary",
+    "UnknownNameError",
+    "UsageError",
+    "Velocity",
+    "WrenchOrTwist",
+    "XmlError",
+    "adjoint",
+    "configuration",
+    "fk",
+    "jacobian",
+    "joint_rates",
+    "load",
+    "random_configurations",
+    "summary",
+]

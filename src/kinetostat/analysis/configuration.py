@@ -1,0 +1,306 @@
+"""Configurations: from the words that people use to the positions (nq,) of the independent joints, checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinetostat.conventions import Array
+from kinetostat.errors import ConfigurationError, UnknownNameError, quote, unknown_name
+from kinetostat.urdf.description import Joint, JointType, Robot
+from kinetostat.urdf.srdf import Semantics
+
+__all__ = ["Configuration", "configuration", "joint_rates", "random_configurations"]
+
+Value = float | Sequence[float]
+
+_LIMIT_SLACK = 1e-9  # a limit typed with ten digits is not exceeded by its own rounding
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """Positions of the independent joints in file order, in m and rad, and what is to be said of them."""
+
+    robot: Robot
+    q: Array
+    warnings: tuple[str, ...] = ()
+
+    def by_joint(self) -> dict[str, float | list[float]]:
+        """Return {joint: position}; a list of positions for planar and floating joints."""
+        found: dict[str, float | list[float]] = {}
+        for joint in self.robot.independent:
+            part = [float(x) for x in self.q[self.robot.position_slices[joint.name]]]
+            found[joint.name] = part[0] if joint.type.nq == 1 else part
+        return found
+
+
+def configuration(
+    robot: Robot,
+    wanted: str | Mapping[str, Value] | Sequence[float] | Array = "zero",
+    *,
+    semantics: Semantics | None = None,
+    degrees: bool = False,
+    quaternion_first: str = "x",
+) -> Configuration:
+    """Return a configuration.
+
+    Args:
+        robot: whose.
+        wanted: `zero`, `mid` (middle of limits), `random:SEED` (inside limits), the name of an SRDF group state,
+            `j1=0.3,j2=-1.2` (others zero), an ordered list in file order, or the mapping or sequence that these mean.
+        semantics: the SRDF, for group states.
+        degrees: numbers given for angles of joints are in degrees (those of an SRDF never are).
+        quaternion_first: "x" if quaternions are given as xyzw, "w" if as wxyz.
+
+    Raises:
+        ConfigurationError: wrong length, not finite, a value for a fixed or a follower joint.
+        UnknownNameError: no such joint or state.
+    """
+    if not isinstance(wanted, str):
+        q = _from_values(robot, wanted, degrees, quaternion_first)
+    elif wanted == "zero":
+        q = neutral(robot)
+    elif wanted == "mid":
+        q = _middle(robot)
+    elif wanted.partition(":")[0] == "random":
+        q = random_configurations(robot, _seed(wanted), ())
+    else:
+        values = _parse(wanted)
+        if values is None:
+            q = _from_state(robot, semantics or Semantics(), wanted)
+        else:
+            q = _from_values(robot, values, degrees, quaternion_first)
+    return Configuration(robot, q, tuple(_outside_limits(robot, q)))
+
+
+def joint_rates(robot: Robot, wanted: str | Mapping[str, Value] | Sequence[float] | Array, *, degrees: bool = False) -> Array:
+    """Return joint rates (nv,) in m/s and rad/s, from `j1=0.3,j2=-1.2` (others zero), an ordered list, or a mapping.
+
+    Raises:
+        ConfigurationError: wrong length, not finite, a rate for a fixed or a follower joint.
+        UnknownNameError: no such joint.
+    """
+    values = _parse(wanted) if isinstance(wanted, str) else wanted
+    if values is None:
+        raise ConfigurationError(f"{quote(str(wanted))} is no list of rates", remedy="write j1=0.3,j2=-1.2 or 0.3,-1.2,...")
+    rates = np.zeros(robot.nv)
+    names = [name for joint in robot.independent for name in joint.velocity_names]
+    rates = _fill(robot, rates, names, robot.velocity_slices, values, "rate")
+    if degrees:
+        for joint in robot.independent:
+            if joint.type.is_angle:
+                rates[robot.velocity_slices[joint.name]] *= math.pi / 180
+            elif joint.type is JointType.PLANAR:
+                rates[robot.velocity_slices[joint.name].start + 2] *= math.pi / 180
+    return rates
+
+
+def neutral(robot: Robot) -> Array:
+    """Return the zero configuration: every position 0, floating joints with the identity rotation. (nq,)."""
+    q = np.zeros(robot.nq)
+    for joint in robot.independent:
+        if joint.type is JointType.FLOATING:
+            q[robot.position_slices[joint.name].stop - 1] = 1.0
+    return q
+
+
+def random_configurations(robot: Robot, seed: int, shape: tuple[int, ...] = ()) -> Array:
+    """Return configurations drawn uniformly inside limits, those of followers too. (*shape, nq).
+
+    Angles without limits are drawn from a whole turn, lengths without limits within 1 m of zero or of their one limit,
+    rotations of floating joints uniformly (K. Shoemake, "Uniform random rotations", 1992).
+    """
+    generator = np.random.default_rng(seed)
+    q = np.empty((*shape, robot.nq))
+    for joint in robot.independent:
+        where = robot.position_slices[joint.name]
+        if joint.type is JointType.FLOATING:
+            q[..., where.start : where.start + 3] = generator.uniform(-1, 1, (*shape, 3))
+            quaternion = generator.normal(size=(*shape, 4))
+            q[..., where.start + 3 : where.stop] = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
+        elif joint.type is JointType.PLANAR:
+            q[..., where] = generator.uniform(-1, 1, (*shape, 3)) * np.array([1, 1, math.pi])
+        else:
+            lower, upper = _bounded(joint, *_range_with_followers(robot, joint))
+            q[..., where.start] = generator.uniform(lower, upper, shape)
+    return q
+
+
+def _middle(robot: Robot) -> Array:
+    """Return the middle of the limits; where one is missing, the position nearest to zero."""
+    q = neutral(robot)
+    for joint in robot.independent:
+        if joint.type.nq == 1:
+            lower, upper = joint.limit.range
+            middle = (lower + upper) / 2 if math.isfinite(upper - lower) else min(max(0.0, lower), upper)
+            q[robot.position_slices[joint.name].start] = middle
+    return q
+
+
+def _range_with_followers(robot: Robot, joint: Joint) -> tuple[float, float]:
+    """Return the part of a joint's range in which its followers are inside theirs; all of it if there is none."""
+    lower, upper = joint.limit.range
+    for name, law in robot.followers.items():
+        if law.joint == joint.name and law.multiplier != 0:
+            ends = sorted((end - law.offset) / law.multiplier for end in robot.joint_by_name[name].limit.range)
+            lower, upper = max(lower, ends[0]), min(upper, ends[1])
+    return (lower, upper) if lower <= upper else joint.limit.range
+
+
+def _bounded(joint: Joint, lower: float, upper: float) -> tuple[float, float]:
+    half = math.pi if joint.type.is_angle else 1.0
+    if math.isinf(lower) and math.isinf(upper):
+        return -half, half
+    if math.isinf(lower):
+        return upper - half, upper
+    return (lower, lower + half) if math.isinf(upper) else (lower, upper)
+
+
+def _seed(wanted: str) -> int:
+    text = wanted.partition(":")[2]
+    if not (text.isascii() and text.isdigit()):
+        raise ConfigurationError(f"{quote(wanted)} has no seed", remedy="write random:0, or another whole number")
+    return int(text)
+
+
+def _parse(text: str) -> dict[str, Value] | list[float] | None:
+    """Return the mapping or list that a text writes; None if it is a name."""
+    parts = [part.strip() for part in text.replace("\n", ",").split(",")]
+    if "=" in text:
+        values: dict[str, Value] = {}
+        for part in parts:
+            name, equals, number = part.rpartition("=")
+            numbers = [_number(word, name) for word in number.split()]
+            if not equals or not numbers:
+                raise ConfigurationError(f"{quote(part)} is not of the form joint=value", remedy="write j1=0.3,j2=-1.2")
+            if name.strip() in values:
+                raise ConfigurationError(f"joint {quote(name.strip())} is given twice")
+            values[name.strip()] = numbers[0] if len(numbers) == 1 else numbers
+        return values
+    words = [word for part in parts for word in part.split()]
+    try:
+        return [float(word) for word in words] if words else None
+    except ValueError:
+        if len(words) > 1 and "," in text:
+            for word in words:
+                _number(word, "the list")
+        return None
+
+
+def _number(word: str, where: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        raise ConfigurationError(f"{quote(where)}: {quote(word)} is not a number") from None
+
+
+def _from_values(robot: Robot, values: Mapping[str, Value] | Sequence[float] | Array, degrees: bool, quaternion_first: str) -> Array:
+    names = [name for joint in robot.independent for name in joint.position_names]
+    q = _fill(robot, neutral(robot), names, robot.position_slices, values, "position")
+    named = set(values) if isinstance(values, Mapping) else None
+    for joint in robot.independent:
+        where = robot.position_slices[joint.name]
+        if degrees and (joint.type.is_angle or joint.type is JointType.PLANAR):
+            q[where.stop - 1] *= math.pi / 180
+        if joint.type is JointType.FLOATING:
+            rotation = q[where.start + 3 : where.stop]
+            # Coordinates given by name (joint.qx=...) say themselves which is which.
+            if quaternion_first == "w" and (named is None or joint.name in named):
+                rotation = np.roll(rotation, -1)
+            norm = float(np.linalg.norm(rotation))
+            if norm < 1e-9:
+                raise ConfigurationError(f"the quaternion of joint {quote(joint.name)} is zero")
+            if abs(norm - 1) > 1e-3:
+                raise ConfigurationError(f"the quaternion of joint {quote(joint.name)} has length {norm:.6g}, not 1")
+            q[where.start + 3 : where.stop] = rotation / norm
+    return q
+
+
+def _fill(
+    robot: Robot,
+    vector: Array,
+    names: list[str],
+    slices: Mapping[str, slice],
+    values: Mapping[str, Value] | Sequence[float] | Array,
+    what: str,
+) -> Array:
+    """Return the vector with the given values put in."""
+    if isinstance(values, Mapping):
+        index = {name: i for i, name in enumerate(names)}
+        for name, value in values.items():
+            if name in index:
+                if not isinstance(value, (int, float)) and np.size(value) != 1:
+                    raise ConfigurationError(f"joint {quote(name)} takes one {what}, not {np.size(value)}")
+                vector[index[name]] = np.reshape(value, ())
+            else:
+                where = slices[_settable(robot, name, names)]
+                if np.size(value) != where.stop - where.start:
+                    raise ConfigurationError(
+                        f"joint {quote(name)} takes {where.stop - where.start} {what}s, not {np.size(value)}",
+                        remedy="separate them by spaces: joint=x y z ...",
+                    )
+                vector[where] = value
+    else:
+        given = np.asarray(values, dtype=np.float64)
+        if given.shape != vector.shape:
+            order = ", ".join(printable_names(names))
+            raise ConfigurationError(f"{given.size} {what}s are given, {len(names)} are needed", remedy=f"in the order {order}")
+        vector = given.copy()
+    for name, value in zip(names, vector, strict=True):
+        if not math.isfinite(value):
+            raise ConfigurationError(f"the {what} of {quote(name)} is {value}, not a finite number")
+    return vector
+
+
+def printable_names(names: Sequence[str], longest: int = 12) -> list[str]:
+    """Return names quoted for a message, the first dozen."""
+    return [quote(name)[1:-1] for name in names[:longest]] + (["..."] if len(names) > longest else [])
+
+
+def _settable(robot: Robot, name: str, names: list[str]) -> str:
+    """Return the name of a joint that a user may set; an error that helps for any other."""
+    joint = robot.joint_by_name.get(name)
+    if joint is None:
+        raise unknown_name("joint", name, names, listing="'kinetostat info' lists them")
+    if joint.type is JointType.FIXED:
+        raise ConfigurationError(f"joint {quote(name)} is fixed: it has no position")
+    if joint.mimic is not None:
+        leader = robot.followers[name].joint
+        raise ConfigurationError(f"joint {quote(name)} follows {quote(leader)}", remedy=f"set {quote(leader)}, its leader")
+    return name
+
+
+def _from_state(robot: Robot, semantics: Semantics, name: str) -> Array:
+    """Return the configuration of an SRDF state. It may name followers and a floating base; those go their own way."""
+    try:
+        positions = semantics.state(name)
+    except UnknownNameError as error:
+        known = ["zero", "mid", "random:SEED", *semantics.state_names()]
+        hint = error.remedy if semantics.states else f"write {', '.join(known)}, joint=value,... or a list"
+        raise UnknownNameError(f"there is no configuration {quote(name)}", remedy=hint) from None
+    settable = {joint.name for joint in robot.independent}
+    values: dict[str, Value] = {
+        joint: found[0] if len(found) == 1 else found for joint, found in positions.items() if joint in settable
+    }
+    return _from_values(robot, values, degrees=False, quaternion_first="x")
+
+
+def _outside_limits(robot: Robot, q: Array) -> list[str]:
+    """Return a line for each joint, follower or not, that is outside its limits."""
+    lines = []
+    for joint in robot.joints:
+        if joint.type.nq != 1:
+            continue
+        law = robot.followers.get(joint.name)
+        position = float(q[robot.position_slices[law.joint if law else joint.name].start])
+        if law is not None:
+            position = law.multiplier * position + law.offset
+        lower, upper = joint.limit.range
+        if position < lower - _LIMIT_SLACK or position > upper + _LIMIT_SLACK:
+            unit = "rad" if joint.type.is_angle else "m"
+            follows = f", by following {quote(law.joint)}" if law else ""
+            lines.append(f"joint {quote(joint.name)} is at {position:.6g} {unit}{follows}, outside [{lower:.6g}, {upper:.6g}]")
+    return lines

@@ -1,0 +1,94 @@
+"""The certificate: every number twice, by engines that share nothing, and how far apart they came."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kinetostat.conventions import Array, tolerance
+from kinetostat.engines.model import Model
+from kinetostat.engines.protocol import Engine
+from kinetostat.urdf.description import JointType, Robot
+
+__all__ = ["Certificate", "certified", "length_scale"]
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """What two engines say of one result.
+
+    Attributes:
+        engines: their names; one only where the cross-check was left out.
+        max_difference: largest absolute difference of any number of the result; None without cross-check.
+        tolerance: the largest that counts as agreement, in the result's own units.
+        values: both results where they disagree, else empty.
+    """
+
+    engines: tuple[str, ...]
+    max_difference: float | None
+    tolerance: float
+    values: tuple[Array, ...] = field(default=(), compare=False)
+
+    @property
+    def agree(self) -> bool | None:
+        """Whether they agree; None without cross-check."""
+        return None if self.max_difference is None else bool(self.max_difference <= self.tolerance)
+
+
+def certified(model: Model, evaluate: Callable[[Engine], Array], scale: float, speed: float = 1.0) -> tuple[Array, Certificate]:
+    """Evaluate on both engines; return the first one's numbers and the certificate.
+
+    Args:
+        model: the robot.
+        evaluate: the question, asked of one engine at a time.
+        scale: length that rounding grows with, in m (see `length_scale`).
+        speed: size of the rates that a derivative is contracted with.
+    """
+    allowed = tolerance(scale, speed)
+    value = evaluate(model.engine)
+    if model.witness is None:
+        return value, Certificate((model.engine.name,), None, allowed)
+    again = evaluate(model.witness)
+    names = (model.engine.name, model.witness.name)
+    same_shape = value.shape == again.shape
+    difference = float(np.max(np.abs(value - again), initial=0.0)) if same_shape else float("inf")
+    # NaN compares false: what is not a number never agrees.
+    values = () if difference <= allowed else (value, again)
+    return value, Certificate(names, difference, allowed, values)
+
+
+def length_scale(robot: Robot, q: Array, point: tuple[float, float, float] | None = None) -> float:
+    """Return the length that rounding errors at q grow with, in metres.
+
+    Reach, plus how far joints slide at q and how far the point lies out; times the largest mimic multiplier, and times
+    the largest angle in turns, because sine and cosine lose digits of large angles in proportion.
+    """
+    q = np.asarray(q, dtype=np.float64)
+    slide, turns = 0.0, 1.0
+    for joint in robot.joints:
+        turns = max(turns, max(map(abs, joint.origin.rpy)) / (2 * np.pi))
+    for joint in robot.independent:
+        part = q[..., robot.position_slices[joint.name]]
+        if joint.type.is_angle:
+            turns = max(turns, float(np.max(np.abs(part), initial=0.0)) / (2 * np.pi))
+            slide += abs(joint.pitch) * float(np.max(np.abs(part), initial=0.0)) / (2 * np.pi) + abs(joint.pitch)
+        elif joint.type is JointType.PLANAR:
+            turns = max(turns, float(np.max(np.abs(part[..., 2]), initial=0.0)) / (2 * np.pi))
+            slide += float(np.max(np.abs(part[..., :2]), initial=0.0)) * 2
+        else:
+            slide += float(np.max(np.abs(part[..., :3]), initial=0.0)) * 2
+    folding = 1.0
+    for name, law in robot.followers.items():
+        factor = abs(law.multiplier)
+        folding = max(folding, factor)
+        follower, part = robot.joint_by_name[name], q[..., robot.position_slices[law.joint]]
+        moved = factor * float(np.max(np.abs(part), initial=0.0)) + abs(law.offset)
+        if follower.type is JointType.PRISMATIC:
+            slide += moved
+        else:
+            turns = max(turns, moved / (2 * np.pi))
+            slide += abs(follower.pitch) * moved / (2 * np.pi)
+    out = 0.0 if point is None else float(np.linalg.norm(point))
+    return (robot.reach + slide + out) * folding * turns if robot.reach + slide + out > 1 else folding * turns

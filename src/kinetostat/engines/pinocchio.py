@@ -1,0 +1,346 @@
+"""The Pinocchio engine. It reads the canonical text by itself and shares nothing with the screw engine.
+
+The only module that imports pinocchio, and the seam where its conventions become ours. Hidden here: nq != nv of
+continuous joints (cos, sin) and planar joints, Pinocchio's joint order (depth first, by name), mimic joints (loaded
+as independent ones and folded by the chain rule, because Pinocchio's own do not take followers before leaders, or
+chains), FrameType, and the joints that its URDF parser does not know: screws, and planar joints whose normal is not z.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+
+from kinetostat.conventions import (
+    FLOATING_BASE_JOINT,
+    FLOATING_POSITION,
+    PLANAR_POSITION,
+    PLANAR_VELOCITY,
+    TWIST_ROWS,
+    WORLD_LINK,
+    Array,
+    Velocity,
+    WrenchOrTwist,
+)
+from kinetostat.errors import EngineError, printable
+
+__all__ = ["PinocchioEngine", "version"]
+
+_BODY = pin.FrameType.BODY
+_AT_FRAME = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+
+def version() -> str:
+    """Return Pinocchio's version."""
+    return str(pin.__version__)
+
+
+@dataclass(slots=True)
+class _Joint:
+    """A movable joint as the text has it, and where Pinocchio keeps it."""
+
+    name: str
+    type: str
+    axis: Array
+    pitch: float | None = None
+    leader: str | None = None
+    multiplier: float = 1.0
+    offset: float = 0.0
+    q: int = 0  # first index in Pinocchio's configuration
+    v: int = 0  # first index in Pinocchio's velocity
+    columns: slice = field(default_factory=lambda: slice(0, 0))
+    positions: slice = field(default_factory=lambda: slice(0, 0))
+
+    @property
+    def position_names(self) -> list[str]:
+        parts = {"floating": FLOATING_POSITION, "planar": PLANAR_POSITION}.get(self.type)
+        return [self.name] if parts is None else [f"{self.name}.{part}" for part in parts]
+
+    @property
+    def velocity_names(self) -> list[str]:
+        parts = {"floating": TWIST_ROWS, "planar": PLANAR_VELOCITY}.get(self.type)
+        return [self.name] if parts is None else [f"{self.name}.{part}" for part in parts]
+
+
+class PinocchioEngine:
+    """Kinematics by Pinocchio; see `engines.protocol.Engine` for what the methods return.
+
+    Raises:
+        EngineError: Pinocchio refuses the text; the message holds what it wrote on descriptor 2.
+    """
+
+    name = "pinocchio"
+
+    def __init__(self, text: str, *, floating_base: bool = False) -> None:
+        self._model = _build(text, floating_base)
+        self._joints = _read_joints(text, floating_base)
+        for joint in self._joints:
+            self._install(joint)
+        self._lead()
+        with _translated("createData"):
+            self._data = self._model.createData()
+        self.position_names = tuple(n for j in self._joints if j.leader is None for n in j.position_names)
+        self.velocity_names = tuple(n for j in self._joints if j.leader is None for n in j.velocity_names)
+
+    # --- building ----------------------------------------------------------------------------------------------
+
+    def _install(self, joint: _Joint) -> None:
+        """Find a joint in the model, and put right what Pinocchio's URDF parser does not know of it."""
+        index = self._model.getJointId(joint.name)
+        if index >= self._model.njoints:
+            raise EngineError(f"Pinocchio has no joint {printable(joint.name)!r}")
+        model_joint = self._model.joints[index]
+        if joint.pitch is not None:
+            helical = pin.JointModelHelicalUnaligned(joint.axis / np.linalg.norm(joint.axis), joint.pitch / (2 * np.pi))
+            helical.setIndexes(model_joint.id, model_joint.idx_q, model_joint.idx_v)
+            self._model.joints[index] = pin.JointModel(helical)
+        elif joint.type == "planar":
+            self._turn_plane(index, joint.axis / np.linalg.norm(joint.axis))
+        joint.q, joint.v = model_joint.idx_q, model_joint.idx_v
+
+    def _turn_plane(self, index: int, normal: Array) -> None:
+        """Turn the plane of a planar joint, which Pinocchio takes as x-y whatever the axis, to the joint's normal.
+
+        The joint frame is turned by the smallest rotation from z to the normal (for -z: half a turn about x), and
+        everything that hangs on the joint is turned back.
+        """
+        z = np.array([0.0, 0.0, 1.0])
+        if normal[0] == 0 and normal[1] == 0:
+            rotation = np.eye(3) if normal[2] > 0 else np.diag([1.0, -1.0, -1.0])
+        else:
+            rotation = pin.Quaternion.FromTwoVectors(z, normal).toRotationMatrix()
+        turn = pin.SE3(rotation, np.zeros(3))
+        model = self._model
+        model.jointPlacements[index] = model.jointPlacements[index] * turn
+        model.inertias[index] = turn.actInv(model.inertias[index])
+        for child in range(1, model.njoints):
+            if model.parents[child] == index:
+                model.jointPlacements[child] = turn.actInv(model.jointPlacements[child])
+        for frame in model.frames:
+            if frame.parentJoint == index:
+                frame.placement = turn.actInv(frame.placement)
+
+    def _lead(self) -> None:
+        """Resolve chains of followers, and number positions and columns of the independent joints in file order."""
+        by_name = {joint.name: joint for joint in self._joints}
+        for joint in self._joints:
+            while joint.leader is not None and (above := by_name[joint.leader]).leader is not None:
+                joint.offset += joint.multiplier * above.offset
+                joint.multiplier *= above.multiplier
+                joint.leader = above.leader
+        nq = nv = 0
+        for joint in self._joints:
+            if joint.leader is None:
+                joint.positions = slice(nq, nq := nq + len(joint.position_names))
+                joint.columns = slice(nv, nv := nv + len(joint.velocity_names))
+        for joint in self._joints:
+            if joint.leader is not None:
+                joint.positions, joint.columns = by_name[joint.leader].positions, by_name[joint.leader].columns
+        # V_pinocchio = fold qdot: the chain rule of mimic joints and the change of order in one matrix.
+        self._fold = np.zeros((self._model.nv, nv))
+        for joint in self._joints:
+            count = len(joint.velocity_names)
+            self._fold[joint.v : joint.v + count, joint.columns] = joint.multiplier * np.eye(count)
+
+    # --- the protocol ------------------------------------------------------------------------------------------
+
+    def placement(self, q: Array, frame: str, relative_to: str) -> Array:
+        """Return T_a_f."""
+        f, a = self._frame(frame), self._frame(relative_to)
+        return self._each(lambda: self._data.oMf[a].actInv(self._data.oMf[f]).homogeneous, q)
+
+    def frame_change(self, q: Array, start: str, end: str, kind: WrenchOrTwist) -> Array:
+        """Return Pinocchio's action matrix of T_end_start, or its dual for wrenches."""
+        s, e = self._frame(start), self._frame(end)
+
+        def change() -> Array:
+            placement = self._data.oMf[e].actInv(self._data.oMf[s])
+            matrix: Array = placement.action if kind is WrenchOrTwist.TWIST else placement.dualAction
+            return matrix
+
+        return self._each(change, q)
+
+    def jacobian(self, q: Array, velocity: Velocity) -> Array:
+        """Return J from Pinocchio's Jacobians of F and A at their origins, in the root's axes."""
+        if self._model.nv == 0:  # pin 4.1 dies on a Jacobian without columns
+            return np.zeros((*np.shape(q)[:-1], 6, 0))
+        return self._each(lambda: self._turned(*self._relative(velocity), velocity), q, jacobians=True)
+
+    def jacobian_rate(self, q: Array, qdot: Array, velocity: Velocity) -> Array:
+        """Return dJ/dt from Pinocchio's time variation of the same two Jacobians."""
+        if self._model.nv == 0:
+            return np.zeros((*np.shape(q)[:-1], 6, 0))
+        return self._each(lambda rate: self._rate(velocity, rate), q, np.asarray(qdot, dtype=np.float64))
+
+    def masses(self) -> tuple[float, float]:
+        """Return the mass of the base link and of all other links, in kg.
+
+        Pinocchio lumps a link with what is fixed to it; a fixed joint's frame keeps the share that it brought.
+        """
+        base = next(frame for frame in self._model.frames if frame.type == _BODY).parentJoint
+        fixed_on = sum(
+            frame.inertia.mass
+            for frame in self._model.frames
+            if frame.parentJoint == base and frame.type == pin.FrameType.FIXED_JOINT
+        )
+        lumped = float(self._model.inertias[base].mass)
+        total = float(sum(inertia.mass for inertia in self._model.inertias))
+        return lumped - float(fixed_on), total - lumped + float(fixed_on)
+
+    # --- one configuration -------------------------------------------------------------------------------------
+
+    def _frame(self, name: str) -> int:
+        if name == WORLD_LINK and not self._model.existFrame(name, _BODY):
+            return 0
+        index = int(self._model.getFrameId(name, _BODY))
+        if index >= self._model.nframes:  # Pinocchio does not raise
+            raise EngineError(f"Pinocchio has no link {printable(name)!r}")
+        return index
+
+    def _configuration(self, q: Array) -> Array:
+        """Return Pinocchio's configuration: its order, followers set, angles of unbounded joints as (cos, sin)."""
+        full = np.zeros(self._model.nq)
+        for joint in self._joints:
+            part = q[joint.positions]
+            if joint.type == "continuous":
+                angle = joint.multiplier * part[0] + joint.offset
+                full[joint.q : joint.q + 2] = np.cos(angle), np.sin(angle)
+            elif joint.type == "planar":
+                full[joint.q : joint.q + 4] = part[0], part[1], np.cos(part[2]), np.sin(part[2])
+            elif joint.type == "floating":
+                full[joint.q : joint.q + 3] = part[:3]
+                full[joint.q + 3 : joint.q + 7] = part[3:] / np.linalg.norm(part[3:])
+            else:
+                full[joint.q] = joint.multiplier * part[0] + joint.offset
+        return full
+
+    def _each(self, evaluate: Any, q: Array, qdot: Array | None = None, *, jacobians: bool = False) -> Array:
+        """Set each configuration in turn, evaluate, and stack the results over the leading shape."""
+        q = np.asarray(q, dtype=np.float64)
+        shape = q.shape[:-1] if qdot is None else np.broadcast_shapes(q.shape[:-1], qdot.shape[:-1])
+        count = int(np.prod(shape))
+        many = np.broadcast_to(q, (*shape, q.shape[-1])).reshape(count, q.shape[-1])
+        rates = None if qdot is None else np.broadcast_to(qdot, (*shape, qdot.shape[-1])).reshape(count, qdot.shape[-1])
+        results = []
+        for i, one in enumerate(many):
+            full = self._configuration(one)
+            if rates is not None:
+                pin.computeJointJacobiansTimeVariation(self._model, self._data, full, self._fold @ rates[i])
+            elif jacobians:
+                pin.computeJointJacobians(self._model, self._data, full)
+            else:
+                pin.forwardKinematics(self._model, self._data, full)
+            pin.updateFramePlacements(self._model, self._data)
+            results.append(evaluate() if rates is None else evaluate(rates[i]))
+        if not results:
+            raise EngineError("no configuration was given")
+        return np.stack(results).reshape(*shape, *results[0].shape)
+
+    def _at_origin(self, frame: int) -> tuple[Array, Array]:
+        """Return the linear and angular rows (3, nv) of a frame's origin, in the root's axes."""
+        folded = pin.getFrameJacobian(self._model, self._data, frame, _AT_FRAME) @ self._fold
+        return folded[:3], folded[3:]
+
+    def _point(self, velocity: Velocity) -> Array:
+        """Return the point of the labelled velocity in the root's coordinates."""
+        if velocity.point is None:
+            return np.array(self._data.oMf[self._frame(velocity.relative_to)].translation)
+        return np.array(self._data.oMf[self._frame(velocity.of)].act(np.array(velocity.point)))
+
+    def _relative(self, velocity: Velocity) -> tuple[Array, Array]:
+        """Return v_f(P) - v_a(P) and w_f - w_a as rows (3, nv), in the root's axes."""
+        point = self._point(velocity)
+        rows = []
+        for name in (velocity.of, velocity.relative_to):
+            frame = self._frame(name)
+            linear, angular = self._at_origin(frame)
+            rows.append((linear - pin.skew(point - self._data.oMf[frame].translation) @ angular, angular))
+        return rows[0][0] - rows[1][0], rows[0][1] - rows[1][1]
+
+    def _turned(self, linear: Array, angular: Array, velocity: Velocity) -> Array:
+        to_axes = self._data.oMf[self._frame(velocity.expressed_in)].rotation.T
+        return np.vstack([to_axes @ linear, to_axes @ angular])
+
+    def _rate(self, velocity: Velocity, qdot: Array) -> Array:
+        """Differentiate `_relative` and the turn to the axes, everything in the root's axes."""
+        point = self._point(velocity)
+        carrier = self._frame(velocity.of if velocity.point is not None else velocity.relative_to)
+        linear, angular = self._at_origin(carrier)
+        arm = point - self._data.oMf[carrier].translation
+        point_rate = linear @ qdot + np.cross(angular @ qdot, arm)
+        parts = []
+        for name in (velocity.of, velocity.relative_to):
+            frame = self._frame(name)
+            linear, angular = self._at_origin(frame)
+            varied = pin.getFrameJacobianTimeVariation(self._model, self._data, frame, _AT_FRAME) @ self._fold
+            arm = point - self._data.oMf[frame].translation
+            arm_rate = point_rate - linear @ qdot
+            parts.append((varied[:3] - pin.skew(arm) @ varied[3:] - pin.skew(arm_rate) @ angular, varied[3:]))
+        _, axes_angular = self._at_origin(self._frame(velocity.expressed_in))
+        turning = pin.skew(axes_angular @ qdot)
+        linear, angular = self._relative(velocity)
+        linear_rate = parts[0][0] - parts[1][0] - turning @ linear
+        angular_rate = parts[0][1] - parts[1][1] - turning @ angular
+        return self._turned(linear_rate, angular_rate, velocity)
+
+
+def _read_joints(text: str, floating_base: bool) -> list[_Joint]:
+    """Return the movable joints of the text in file order, with what Pinocchio's parser leaves out."""
+    joints = []
+    if floating_base:
+        joints.append(_Joint(FLOATING_BASE_JOINT, "floating", np.array([0.0, 0.0, 1.0])))
+    for element in ElementTree.fromstring(text).iter("joint"):
+        kind = element.get("type", "")
+        if kind == "fixed":
+            continue
+        axis = element.find("axis")
+        words = "1 0 0" if axis is None else axis.get("xyz", "1 0 0")
+        joint = _Joint(element.get("name", ""), kind, np.array([float(word) for word in words.split()]))
+        pitch, mimic = element.find("screw_thread_pitch"), element.find("mimic")
+        if pitch is not None:
+            joint.pitch = float(pitch.get("value", "0"))
+        if mimic is not None:
+            joint.leader = mimic.get("joint")
+            joint.multiplier = float(mimic.get("multiplier", "1"))
+            joint.offset = float(mimic.get("offset", "0"))
+        joints.append(joint)
+    names = {joint.name for joint in joints}
+    for joint in joints:
+        if joint.leader not in names:  # the reader says so in a remark
+            joint.leader, joint.multiplier, joint.offset = None, 1.0, 0.0
+    return joints
+
+
+def _build(text: str, floating_base: bool) -> Any:
+    """Return Pinocchio's model of the text."""
+    with _translated("the URDF parser"):
+        if floating_base:
+            return pin.buildModelFromXML(text, pin.JointModelFreeFlyer(), FLOATING_BASE_JOINT)
+        return pin.buildModelFromXML(text)
+
+
+@contextlib.contextmanager
+def _translated(what: str) -> Iterator[None]:
+    """Turn what Pinocchio raises into our error, with what it wrote on descriptor 2, where its reasons go."""
+    with tempfile.TemporaryFile() as written:
+        kept = os.dup(2)
+        os.dup2(written.fileno(), 2)
+        try:
+            yield
+        except Exception as error:
+            written.seek(0)
+            lines = [line.strip() for line in written.read().decode("utf-8", "replace").splitlines()]
+            said = " ".join(line for line in lines if line and not line.startswith("at line"))
+            reason = printable(said or " ".join(str(error).split()))[:300]
+            raise EngineError(f"Pinocchio ({what}) refuses the robot: {reason}") from error
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)

@@ -1,0 +1,118 @@
+"""Views to plain text that fits 80 columns."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+from kinetostat.errors import printable
+from kinetostat.report.view import Cell, Table, View
+
+__all__ = ["render"]
+
+WIDTH = 80
+_NUMBER_WIDTH = 8
+_GAP = 1
+_NARROWEST = 6
+
+
+def render(view: View) -> str:
+    """Return the view as text. Whatever comes from a robot file is made printable."""
+    blocks = [view.title]
+    for table in view.tables:
+        body = _numbers(table) if _has_numbers(table) else _words(table)
+        blocks.append(f"{table.title}\n{body}" if table.title else body)
+    if view.notes:
+        blocks.append("\n".join(printable(line) for line in view.notes))
+    return "\n\n".join(blocks) + "\n"
+
+
+def _has_numbers(table: Table) -> bool:
+    return any(isinstance(cell, float) for row in table.rows for cell in row)
+
+
+# --- numbers: columns of equal width, split into blocks where the page ends ------------------------------------
+
+
+def _numbers(table: Table) -> str:
+    """Return a table of numbers. Its leading word columns are repeated before each block of number columns."""
+    labels = next((i for i in range(len(table.header)) if any(isinstance(row[i : i + 1] and row[i], float) for row in table.rows)), 1)
+    form = _form([cell for row in table.rows for cell in row if isinstance(cell, float)])
+    rows = [[_shown(cell, form) for cell in row] + [""] * (len(table.header) - len(row)) for row in table.rows]
+    names = [printable(name) for name in table.header]
+    units = list(table.units) or [""] * len(names)
+    label_widths = [max(len(row[i]) for row in [names, units, *rows]) for i in range(labels)]
+    width = max([_NUMBER_WIDTH, *(len(row[i]) for row in [units, *rows] for i in range(labels, len(names)))])
+    left = sum(w + _GAP for w in label_widths)
+    per_block = max(1, (WIDTH - left) // (width + _GAP))
+    blocks = []
+    for start in range(labels, max(len(names), labels + 1), per_block):
+        block = range(start, min(start + per_block, len(names)))
+        head = [_broken(names[i], width) for i in block]
+        tall = max((len(parts) for parts in head), default=0)
+        lines = [["", [parts[k - tall + len(parts)] if k >= tall - len(parts) else "" for parts in head]] for k in range(tall)]
+        text = []
+        for k, (_, cells) in enumerate(lines):
+            text.append(_line(names[:labels] if k == tall - 1 else [""] * labels, label_widths, cells, width))
+        if any(units):
+            text.append(_line(units[:labels], label_widths, [units[i] for i in block], width))
+        text += [_line(row[:labels], label_widths, [row[i] for i in block], width) for row in rows]
+        blocks.append("\n".join(line.rstrip() for line in text if line.strip()))
+    return "\n\n".join(blocks)
+
+
+def _line(labels: Sequence[str], label_widths: Sequence[int], cells: Sequence[str], width: int) -> str:
+    left = "".join(label.ljust(w + _GAP) for label, w in zip(labels, label_widths, strict=True))
+    return left + "".join(" " * _GAP + cell.rjust(width) for cell in cells)[_GAP:]
+
+
+def _form(values: Sequence[float]) -> str:
+    """Return the format that shows all of them: fixed point, or exponents where that would hide digits."""
+    largest = max((abs(v) for v in values), default=0.0)
+    return ".2e" if largest >= 1e4 or 0 < largest < 1e-3 else ".4f" if largest >= 100 else ".5f"
+
+
+def _shown(cell: Cell, form: str) -> str:
+    if isinstance(cell, float):
+        text = format(cell, form)
+        return text if any(c in "123456789" for c in text.partition("e")[0]) else "0"
+    return "-" if cell is None else printable(cell)
+
+
+def _broken(name: str, width: int) -> list[str]:
+    """Return a name in pieces no wider than the column, broken after underscores where possible."""
+    pieces, rest = [], name
+    while len(rest) > width:
+        cut = max(rest.rfind("_", 0, width), rest.rfind("/", 0, width), rest.rfind(".", 0, width)) + 1
+        cut = cut if cut > 1 else width
+        pieces.append(rest[:cut])
+        rest = rest[cut:]
+    return [*pieces, rest]
+
+
+# --- words: the last column is folded, the others are cut if they must be --------------------------------------
+
+
+def _words(table: Table) -> str:
+    rows = [[_shown(cell, "") for cell in row] for row in table.rows]
+    header = list(table.header)
+    widths = [max(len(row[i]) for row in [header, *rows]) for i in range(len(header))]
+    last_room = min(widths[-1], 30)
+    while sum(w + 2 for w in widths[:-1]) + last_room > WIDTH and max(widths[:-1], default=0) > _NARROWEST:
+        widths[widths.index(max(widths[:-1]))] -= 1
+    room = max(WIDTH - sum(w + 2 for w in widths[:-1]), 10)
+    lines = []
+    for row in [header, *rows]:
+        folded = textwrap.wrap(row[-1], room) or [""]
+        left = "".join(_cut(cell, w).ljust(w + 2) for cell, w in zip(row[:-1], widths[:-1], strict=True))
+        lines.append((left + folded[0]).rstrip())
+        lines += [" " * len(left) + more for more in folded[1:]]
+    return "\n".join(lines)
+
+
+def _cut(text: str, width: int) -> str:
+    """Return the text cut in its middle: both ends of a name tell it from its neighbours."""
+    if len(text) <= width:
+        return text
+    tail = (width - 2) // 2
+    return f"{text[: width - 2 - tail]}..{text[len(text) - tail :]}"

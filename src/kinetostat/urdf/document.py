@@ -1,0 +1,150 @@
+"""Bytes to a document: safe XML with line numbers.
+
+Robot files are untrusted. There is no DOCTYPE (so no entity and no outside reference), no namespace processing (real
+files carry unbound prefixes such as `drake:`), no recovery mode and no recursion over depth.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from kinetostat.errors import XmlError, quote
+
+__all__ = ["Document", "Element", "parse"]
+
+_DECLARATION = re.compile(r"""\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_SINGLE_BYTE = re.compile(r"(us-?ascii|latin-?1|iso-?8859-?\d+|windows-?125\d|cp125\d)$", re.IGNORECASE)
+_NAMED = ("link", "joint", "drake:joint", "inertial")
+_NOT_ROBOT_FILES = (
+    (b"\x1f\x8b", "is a gzip archive", "unpack it with gunzip first"),
+    (b"PK\x03\x04", "is a zip archive", "unpack it first"),
+    (b"version https://git-lfs", "is a git-lfs pointer, not the file itself", "run 'git lfs pull'"),
+)
+
+
+@dataclass(slots=True)
+class Element:
+    """One XML element: its name, attributes, the line where it starts, the element around it, those inside it."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    parent: Element | None = field(default=None, repr=False)
+    children: list[Element] = field(default_factory=list, repr=False)
+
+    def all(self, tag: str) -> list[Element]:
+        """Return the child elements of that name, in file order."""
+        return [child for child in self.children if child.tag == tag]
+
+    def label(self) -> str:
+        """Return the element as a reader would look for it: `<joint name='elbow'>`, `<joint name='elbow'><axis>`."""
+        tag = quote(self.tag)[1:-1]
+        if "name" in self.attributes:
+            return f"<{tag} name={quote(self.attributes['name'], 40)}>"
+        inside = self.parent.label() if self.parent is not None and self.parent.tag in _NAMED else ""
+        return f"{inside}<{tag}>"
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A parsed file: where it came from, its root element, and what was odd on the level of bytes."""
+
+    file: str
+    root: Element
+    remarks: tuple[tuple[int, str], ...]
+
+
+def parse(data: bytes, file: str) -> Document:
+    """Parse XML bytes.
+
+    Args:
+        data: the whole file.
+        file: its name, for errors.
+
+    Raises:
+        XmlError: not XML, not well-formed, not decodable, or with a DOCTYPE.
+    """
+    for magic, what, remedy in _NOT_ROBOT_FILES:
+        if data.startswith(magic):
+            raise XmlError(f"the file {what}", file=file, remedy=remedy)
+    remarks: list[tuple[int, str]] = []
+    text = _decode(data, file, remarks)
+    stripped = text.lstrip("\ufeff \t\r\n")
+    if not stripped:
+        raise XmlError("the file is empty", file=file)
+    if stripped[:200].lower().startswith(("<!doctype html", "<html")):
+        raise XmlError("the file is an HTML page, not a robot", file=file, remedy="download the raw file")
+    skipped = text[: len(text) - len(stripped)].count("\n")
+    if skipped and stripped.startswith("<?xml"):
+        remarks.append((1, "blank lines before the XML declaration: strict parsers refuse the file"))
+    return Document(file, _build(stripped, file, skipped), tuple(remarks))
+
+
+def _decode(data: bytes, file: str, remarks: list[tuple[int, str]]) -> str:
+    """Return the text: UTF-8, or what a byte-order mark or the XML declaration says."""
+    encoding = "utf-8"
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        encoding = "utf-16"
+    else:
+        declared = _DECLARATION.match(data[:200].removeprefix(codecs.BOM_UTF8).decode("latin-1"))
+        if declared and declared[1].lower().replace("_", "-") not in ("utf-8", "utf8"):
+            encoding = declared[1]
+            # Only plain character sets: Python also calls "rot13" or "unicode_escape" encodings.
+            if not _SINGLE_BYTE.match(encoding):
+                raise XmlError(f"the encoding {quote(encoding)} is not read", file=file, remedy="save the file as UTF-8")
+    if encoding != "utf-8":
+        remarks.append((1, f"the file is encoded as {encoding}: it was decoded, but UTF-8 is what other tools expect"))
+    try:
+        text = data.decode(encoding)
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise XmlError(
+            f"byte 0x{data[error.start]:02x} is not {encoding} text",
+            file=file,
+            line=line,
+            remedy="save the file as UTF-8, or declare its encoding",
+        ) from None
+    except LookupError:
+        raise XmlError(f"the encoding {quote(encoding)} is unknown", file=file, remedy="save the file as UTF-8") from None
+    if "\0" in text:  # expat would guess UTF-16 from it
+        line = text.count("\n", 0, text.index("\0")) + 1
+        raise XmlError("the text holds a NUL character", file=file, line=line, remedy="save the file as UTF-8 text")
+    return text
+
+
+def _build(text: str, file: str, skipped: int) -> Element:
+    """Run expat over the text and return the root element."""
+    parser = expat.ParserCreate("UTF-8")
+    top = Element("", {}, 0)
+    open_elements = [top]
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        element = Element(tag, attributes, parser.CurrentLineNumber + skipped, open_elements[-1])
+        open_elements[-1].children.append(element)
+        open_elements.append(element)
+
+    def end(_tag: str) -> None:
+        open_elements.pop()
+
+    def doctype(*_: object) -> None:
+        raise XmlError(
+            "a DOCTYPE is refused: it can pull in other files and expand without end",
+            file=file,
+            line=parser.CurrentLineNumber + skipped,
+            remedy="delete the <!DOCTYPE ...> part; no URDF needs one",
+        )
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.StartDoctypeDeclHandler = doctype
+    try:
+        parser.Parse(text.encode(), True)
+    except expat.ExpatError as error:
+        reason = expat.errors.messages.get(error.code, "syntax error")
+        raise XmlError(f"not well-formed XML: {reason}", file=file, line=error.lineno + skipped) from None
+    except UnicodeEncodeError:
+        raise XmlError("the text has a lone surrogate", file=file, remedy="save the file as UTF-8") from None
+    return top.children[0]

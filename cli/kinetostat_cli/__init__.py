@@ -1,0 +1,1 @@
+"""The command line of kinetostat: parse, call the library, render, exit."""

@@ -8,36 +8,52 @@
     result.matrix, result.columns, result.certificate.max_difference
 
 Six-vectors have their linear part first, lengths are metres, angles radians. Everything named in `__all__` is public;
-nothing else is.
+nothing else is. Names are imported when first used, so that a query waits only for what it needs.
 """
 
-from kinetostat.analysis.configuration import Configuration, configuration, joint_rates, random_configurations
-from kinetostat.analysis.crosscheck import Certificate
-from kinetostat.analysis.euler import EulerSequence
-from kinetostat.analysis.jacobian import Jacobian, jacobian
-from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
-from kinetostat.analysis.summary import Chain, Summary, summary
-from kinetostat.conventions import Order, Reference, Velocity, WrenchOrTwist
-from kinetostat.engines.model import Model, load
-from kinetostat.errors import (
-    AmbiguousNameError,
-    ConfigurationError,
-    DisagreementError,
-    EngineError,
-    KinetostatError,
-    LimitError,
-    NumberError,
-    RepresentationError,
-    RobotError,
-    SourceError,
-    StructureError,
-    UnknownNameError,
-    UsageError,
-    XmlError,
-)
-from kinetostat.urdf.description import Joint, JointType, Link, Robot
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kinetostat.analysis.configuration import Configuration, configuration, joint_rates, random_configurations
+    from kinetostat.analysis.crosscheck import Certificate
+    from kinetostat.analysis.euler import EulerSequence
+    from kinetostat.analysis.jacobian import Jacobian, jacobian
+    from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
+    from kinetostat.analysis.summary import Chain, Summary, summary
+    from kinetostat.conventions import Order, Reference, Velocity, WrenchOrTwist
+    from kinetostat.engines.model import Model, load
+    from kinetostat.errors import (
+        AmbiguousNameError,
+        ConfigurationError,
+        DisagreementError,
+        EngineError,
+        KinetostatError,
+        LimitError,
+        NumberError,
+        RepresentationError,
+        RobotError,
+        SourceError,
+        StructureError,
+        UnknownNameError,
+        UsageError,
+        XmlError,
+    )
+    from kinetostat.urdf.description import Joint, JointType, Link, Robot
 
 __version__ = "0.1.0"
+
+_HOMES = {
+    "analysis.configuration": ("Configuration", "configuration", "joint_rates", "random_configurations"),
+    "analysis.crosscheck": ("Certificate",),
+    "analysis.euler": ("EulerSequence",),
+    "analysis.jacobian": ("Jacobian", "jacobian"),
+    "analysis.kinematics": ("FrameChange", "Placement", "adjoint", "fk"),
+    "analysis.summary": ("Chain", "Summary", "summary"),
+    "conventions": ("Order", "Reference", "Velocity", "WrenchOrTwist"),
+    "engines.model": ("Model", "load"),
+    "urdf.description": ("Joint", "JointType", "Link", "Robot"),
+}
 
 __all__ = [
     "AmbiguousNameError",
@@ -80,3 +96,16 @@ __all__ = [
     "random_configurations",
     "summary",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module 'kinetostat' has no attribute {name!r}")
+    home = next((module for module, names in _HOMES.items() if name in names), "errors")
+    value = getattr(import_module(f"kinetostat.{home}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

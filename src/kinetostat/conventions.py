@@ -38,9 +38,9 @@ AGREEMENT = 1e-12
 class Reference(StrEnum):
     """Shorthand for the point and the axes of a Jacobian.
 
-    aligned: velocity of F's origin (or of `point`), in the observer's axes (Pinocchio LOCAL_WORLD_ALIGNED, Corke jacob0).
-    local: velocity of F's origin (or of `point`), in F's axes (body Jacobian, LOCAL, jacobe).
-    world: velocity of the point of F that lies at the observer's origin, in the observer's axes (spatial, WORLD).
+    aligned: velocity of F's origin (or of `point`), observer's axes (Pinocchio LOCAL_WORLD_ALIGNED, Corke jacob0).
+    local: velocity of F's origin (or of `point`), F's axes (body Jacobian, LOCAL, jacobe).
+    world: velocity of the point of F that lies at the observer's origin, observer's axes (spatial Jacobian, WORLD).
     """
 
     ALIGNED = "aligned"
@@ -77,7 +77,7 @@ class WrenchOrTwist(StrEnum):
         return TWIST_UNITS if self is WrenchOrTwist.TWIST else WRENCH_UNITS
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Velocity:
     """Which velocity: of `point` of frame `of`, relative to `relative_to`, expressed in `expressed_in`.
 

@@ -22,7 +22,6 @@ terminal escapes come out as text, and long names are cut.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 __all__ = [
     "AmbiguousNameError",
@@ -175,6 +174,8 @@ def unknown_name(kind: str, name: str, known: Iterable[str], *, listing: str = "
         known: the names that exist.
         listing: the command that lists them, for the case that nothing is near.
     """
+    from difflib import get_close_matches
+
     names = list(known)
     lowered = {n.lower(): n for n in names}
     near = get_close_matches(name, names, n=3, cutoff=0.6)

@@ -1,0 +1,1 @@
+"""Answers: an engine and arrays in, frozen results with their certificates out."""

@@ -17,10 +17,11 @@ __all__ = ["Configuration", "configuration", "joint_rates", "random_configuratio
 
 Value = float | Sequence[float]
 
+_NO_LIMIT = 1e6  # rad or m: a larger one is written for "none"
 _LIMIT_SLACK = 1e-9  # a limit typed with ten digits is not exceeded by its own rounding
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Configuration:
     """Positions of the independent joints in file order, in m and rad, and what is to be said of them."""
 
@@ -76,7 +77,9 @@ def configuration(
     return Configuration(robot, q, tuple(_outside_limits(robot, q)))
 
 
-def joint_rates(robot: Robot, wanted: str | Mapping[str, Value] | Sequence[float] | Array, *, degrees: bool = False) -> Array:
+def joint_rates(
+    robot: Robot, wanted: str | Mapping[str, Value] | Sequence[float] | Array, *, degrees: bool = False
+) -> Array:
     """Return joint rates (nv,) in m/s and rad/s, from `j1=0.3,j2=-1.2` (others zero), an ordered list, or a mapping.
 
     Raises:
@@ -85,7 +88,9 @@ def joint_rates(robot: Robot, wanted: str | Mapping[str, Value] | Sequence[float
     """
     values = _parse(wanted) if isinstance(wanted, str) else wanted
     if values is None:
-        raise ConfigurationError(f"{quote(str(wanted))} is no list of rates", remedy="write j1=0.3,j2=-1.2 or 0.3,-1.2,...")
+        raise ConfigurationError(
+            f"{quote(str(wanted))} is no list of rates", remedy="write j1=0.3,j2=-1.2 or 0.3,-1.2,..."
+        )
     rates = np.zeros(robot.nv)
     names = [name for joint in robot.independent for name in joint.velocity_names]
     rates = _fill(robot, rates, names, robot.velocity_slices, values, "rate")
@@ -125,7 +130,7 @@ def random_configurations(robot: Robot, seed: int, shape: tuple[int, ...] = ()) 
             q[..., where] = generator.uniform(-1, 1, (*shape, 3)) * np.array([1, 1, math.pi])
         else:
             lower, upper = _bounded(joint, *_range_with_followers(robot, joint))
-            q[..., where.start] = generator.uniform(lower, upper, shape)
+            q[..., where.start] = lower + (upper - lower) * generator.random(shape)
     return q
 
 
@@ -141,22 +146,24 @@ def _middle(robot: Robot) -> Array:
 
 
 def _range_with_followers(robot: Robot, joint: Joint) -> tuple[float, float]:
-    """Return the part of a joint's range in which its followers are inside theirs; all of it if there is none."""
+    """Return the part of a joint's range in which its followers are inside theirs; all of it if that is no range."""
     lower, upper = joint.limit.range
     for name, law in robot.followers.items():
         if law.joint == joint.name and law.multiplier != 0:
             ends = sorted((end - law.offset) / law.multiplier for end in robot.joint_by_name[name].limit.range)
             lower, upper = max(lower, ends[0]), min(upper, ends[1])
-    return (lower, upper) if lower <= upper else joint.limit.range
+    return (lower, upper) if lower < upper else joint.limit.range
 
 
 def _bounded(joint: Joint, lower: float, upper: float) -> tuple[float, float]:
+    """Return ends to draw between: half a turn, or 1 m, stands for a limit that is missing (or no limit at all: 1e308)."""
     half = math.pi if joint.type.is_angle else 1.0
-    if math.isinf(lower) and math.isinf(upper):
-        return -half, half
-    if math.isinf(lower):
-        return upper - half, upper
-    return (lower, lower + half) if math.isinf(upper) else (lower, upper)
+    below, above = lower > -_NO_LIMIT, upper < _NO_LIMIT
+    if below and above:
+        return lower, upper
+    if below:
+        return lower, lower + half
+    return (upper - half, upper) if above else (-half, half)
 
 
 def _seed(wanted: str) -> int:
@@ -197,7 +204,9 @@ def _number(word: str, where: str) -> float:
         raise ConfigurationError(f"{quote(where)}: {quote(word)} is not a number") from None
 
 
-def _from_values(robot: Robot, values: Mapping[str, Value] | Sequence[float] | Array, degrees: bool, quaternion_first: str) -> Array:
+def _from_values(
+    robot: Robot, values: Mapping[str, Value] | Sequence[float] | Array, degrees: bool, quaternion_first: str
+) -> Array:
     names = [name for joint in robot.independent for name in joint.position_names]
     q = _fill(robot, neutral(robot), names, robot.position_slices, values, "position")
     named = set(values) if isinstance(values, Mapping) else None
@@ -247,7 +256,9 @@ def _fill(
         given = np.asarray(values, dtype=np.float64)
         if given.shape != vector.shape:
             order = ", ".join(printable_names(names))
-            raise ConfigurationError(f"{given.size} {what}s are given, {len(names)} are needed", remedy=f"in the order {order}")
+            raise ConfigurationError(
+                f"{given.size} {what}s are given, {len(names)} are needed", remedy=f"in the order {order}"
+            )
         vector = given.copy()
     for name, value in zip(names, vector, strict=True):
         if not math.isfinite(value):
@@ -269,7 +280,9 @@ def _settable(robot: Robot, name: str, names: list[str]) -> str:
         raise ConfigurationError(f"joint {quote(name)} is fixed: it has no position")
     if joint.mimic is not None:
         leader = robot.followers[name].joint
-        raise ConfigurationError(f"joint {quote(name)} follows {quote(leader)}", remedy=f"set {quote(leader)}, its leader")
+        raise ConfigurationError(
+            f"joint {quote(name)} follows {quote(leader)}", remedy=f"set {quote(leader)}, its leader"
+        )
     return name
 
 
@@ -302,5 +315,7 @@ def _outside_limits(robot: Robot, q: Array) -> list[str]:
         if position < lower - _LIMIT_SLACK or position > upper + _LIMIT_SLACK:
             unit = "rad" if joint.type.is_angle else "m"
             follows = f", by following {quote(law.joint)}" if law else ""
-            lines.append(f"joint {quote(joint.name)} is at {position:.6g} {unit}{follows}, outside [{lower:.6g}, {upper:.6g}]")
+            lines.append(
+                f"joint {quote(joint.name)} is at {position:.6g} {unit}{follows}, outside [{lower:.6g}, {upper:.6g}]"
+            )
     return lines

@@ -15,7 +15,7 @@ from kinetostat.urdf.description import JointType, Robot
 __all__ = ["Certificate", "certified", "length_scale"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Certificate:
     """What two engines say of one result.
 
@@ -37,7 +37,9 @@ class Certificate:
         return None if self.max_difference is None else bool(self.max_difference <= self.tolerance)
 
 
-def certified(model: Model, evaluate: Callable[[Engine], Array], scale: float, speed: float = 1.0) -> tuple[Array, Certificate]:
+def certified(
+    model: Model, evaluate: Callable[[Engine], Array], scale: float, speed: float = 1.0
+) -> tuple[Array, Certificate]:
     """Evaluate on both engines; return the first one's numbers and the certificate.
 
     Args:

@@ -1,12 +1,13 @@
 """Euler angles and their rates: the 12 sequences, read as intrinsic or as fixed-axis rotations.
 
-Intrinsic `abc`: turn about a, then about the turned b, then about the twice turned c: R = Ra(t1) Rb(t2) Rc(t3). The same
-rotation about fixed axes is `fixed-cba`, the angles in the other order. `rpy` is URDF's fixed-xyz, intrinsic zyx.
+Intrinsic `abc`: turn about a, then about the turned b, then about the twice turned c: R = Ra(t1) Rb(t2) Rc(t3). The
+same rotation about fixed axes is `fixed-cba`, the angles in the other order. `rpy` is URDF's fixed-xyz, intrinsic zyx.
 
     w = E(t) dt/dt,   E = [ e_a,  Ra(t1) e_b,  Ra(t1) Rb(t2) e_c ]
 
 w being the angular velocity in the observer's axes. E is singular at sin t2 = 0 for sequences that end as they begin
-(zyz), at cos t2 = 0 for the others. J. Diebel, "Representing attitude", 2006; J. Craig, "Introduction to Robotics", app. B.
+(zyz), at cos t2 = 0 for the others. J. Diebel, "Representing attitude: Euler angles, unit quaternions, and rotation
+vectors", 2006.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ def sequence_names() -> list[str]:
     return ["rpy", *_INTRINSIC, *(f"fixed-{name}" for name in _INTRINSIC)]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class EulerSequence:
     """One of the 12 sequences, and whether its angles are listed as fixed-axis rotations."""
 
@@ -48,8 +49,12 @@ class EulerSequence:
         letters = wanted.removeprefix("fixed-")
         if letters not in _INTRINSIC:
             if set(letters) <= set(_AXES) and len(letters) == 3:
-                raise UsageError(f"{name} is no Euler sequence: neighbours must differ", remedy="for instance zyz, zyx or rpy")
-            raise unknown_name("Euler sequence", name, sequence_names(), listing="for instance rpy, zyx, zyz or fixed-xyz")
+                raise UsageError(
+                    f"{name} is no Euler sequence: neighbours must differ", remedy="for instance zyz, zyx or rpy"
+                )
+            raise unknown_name(
+                "Euler sequence", name, sequence_names(), listing="for instance rpy, zyx, zyz or fixed-xyz"
+            )
         fixed = wanted.startswith("fixed-")
         return cls(letters[::-1] if fixed else letters, fixed)
 
@@ -64,7 +69,7 @@ class EulerSequence:
         """Names of the angles in the order in which they are listed."""
         if self.fixed and self.intrinsic == "zyx":
             return ("roll", "pitch", "yaw")
-        first, second, third = self.intrinsic[::-1] if self.fixed else self.intrinsic
+        first, second, third = tuple(self.intrinsic[::-1] if self.fixed else self.intrinsic)
         return (f"{first}1", f"{second}2", f"{third}3")
 
     @property
@@ -112,7 +117,8 @@ class EulerSequence:
 
     def singularity(self, rotation: Array) -> Array:
         """Return abs(det E), which is 0 where the angles have no rates. Shapes (..., 3, 3) -> (...)."""
-        return np.abs(np.linalg.det(self._axes(rotation)))
+        determinant: Array = np.abs(np.linalg.det(self._axes(rotation)))
+        return determinant
 
     def _axes(self, rotation: Array) -> Array:
         """Return the columns e_a, Ra e_b, R e_c: the third turn leaves its own axis where R takes it."""

@@ -22,7 +22,7 @@ _NO_RATES = 1e-9  # abs(det E) below which Euler angles have no rates
 _FAST_RATES = 1e-3  # below which they are said to be near their singularity
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Jacobian:
     """J with V = J qdot for the labelled velocity V.
 
@@ -97,7 +97,9 @@ def jacobian(
     velocity = Velocity.by_reference(reference, robot.frame(frame), observer, point=point, expressed_in=axes)
     sequence = EulerSequence.named(rates) if isinstance(rates, str) else rates
     if sequence is not None and (reference is not Reference.ALIGNED or velocity.expressed_in != observer):
-        raise UsageError("Euler rates are those of the frame in the observer's axes", remedy="use them with reference aligned alone")
+        raise UsageError(
+            "Euler rates are those of the frame in the observer's axes", remedy="use them with reference aligned alone"
+        )
     chosen = _columns(robot, velocity, joints)
     columns = [i for joint in chosen for i in range(*robot.velocity_slices[joint.name].indices(robot.nv))]
 
@@ -116,17 +118,19 @@ def jacobian(
         steepness = _steepness(model, velocity, q, sequence)
         speed *= steepness ** (1 if qdot is None else 3)
         if steepness * _FAST_RATES > 1:
-            warnings.append(f"{sequence.reading} is near its own singularity: its rates are {steepness:.3g} times as fast")
+            warnings.append(
+                f"{sequence.reading} is near its own singularity: its rates are {steepness:.3g} times as fast"
+            )
     value, certificate = certified(model, lambda engine: both(engine)[..., columns], scale, speed)
     matrix, derivative = (value, None) if qdot is None else (value[..., 0, :, :], value[..., 1, :, :])
-    rows, units = TWIST_ROWS, TWIST_UNITS
+    rows: tuple[str, ...] = TWIST_ROWS
     if sequence is not None:
         rows = (*TWIST_ROWS[:3], *(f"{angle}_rate" for angle in sequence.angle_names))
     return Jacobian(
         velocity,
         reference,
         rows,
-        units,
+        TWIST_UNITS,
         tuple(name for joint in chosen for name in joint.velocity_names),
         tuple(unit for joint in chosen for unit in velocity_units(joint)),
         matrix,
@@ -182,10 +186,10 @@ def _steepness(model: Model, velocity: Velocity, q: Array, sequence: EulerSequen
     rotation = model.engine.placement(q, velocity.of, velocity.relative_to)[..., :3, :3]
     determinant = float(np.min(sequence.singularity(rotation)))
     if determinant < _NO_RATES:
-        where = "0 or pi" if sequence.proper else "+pi/2 or -pi/2"
+        where, others = ("0 or pi", "rpy or zyx") if sequence.proper else ("+pi/2 or -pi/2", "zyz")
         raise RepresentationError(
-            f"the angles {sequence.reading} of frame {quote(velocity.of)} have no rates here: this is their own singularity, "
-            f"the second angle being {where}, not one of the robot",
-            remedy="choose a sequence of the other kind" + (" (rpy, zyx)" if sequence.proper else " (zyz)") + ", or the geometric Jacobian",
+            f"the angles {sequence.reading} of frame {quote(velocity.of)} have no rates here: their second angle is "
+            f"{where}, a singularity of the angles and not of the robot",
+            remedy=f"choose other angles ({others}), or the geometric Jacobian",
         )
     return 1 / determinant

@@ -15,7 +15,7 @@ from kinetostat.screw import so3
 __all__ = ["FrameChange", "Placement", "adjoint", "fk"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Placement:
     """Where `frame` is relative to `relative_to`: T_a_f, which maps coordinates in f to coordinates in a."""
 
@@ -40,7 +40,7 @@ class Placement:
         return so3.to_rpy(self.matrix[..., :3, :3])
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FrameChange:
     """The 6x6 that carries twists, or wrenches, from `start` to `end`, linear (force) rows and columns first."""
 
@@ -58,7 +58,10 @@ class FrameChange:
         """
         six = np.asarray(six, dtype=np.float64)
         if six.shape != (6,) or not np.all(np.isfinite(six)):
-            raise UsageError(f"a {self.kind} has six finite numbers, not {six.size}", remedy=f"in the order {' '.join(self.kind.rows)}")
+            raise UsageError(
+                f"a {self.kind} has six finite numbers, not {six.size}",
+                remedy=f"in the order {' '.join(self.kind.rows)}",
+            )
         carried: Array = self.matrix @ six
         return carried
 
@@ -87,11 +90,11 @@ def fk(model: Model, frame: str, q: Array, *, relative_to: str | None = None) ->
 def adjoint(
     model: Model, start: str, end: str, q: Array, *, kind: WrenchOrTwist = WrenchOrTwist.TWIST, inverse: bool = False
 ) -> FrameChange:
-    """Return the frame change from `start` to `end`: V_end = Ad(T) V_start with T = T_end_start; F_end = Ad(T)^-T F_start.
+    """Return the frame change from `start` to `end`: V_end = Ad(T) V_start, F_end = Ad(T)^-T F_start, T = T_end_start.
 
-    A twist names the velocity of the body's point at the frame's origin in the frame's axes; a wrench, force and moment
-    about the origin in the frame's axes. The frames are taken as rigidly joined at q. Equations: Lynch and Park, "Modern
-    Robotics", 2017, sections 3.3.2 and 3.4.
+    A twist is the velocity of the body's point at the frame's origin and its angular velocity, in the frame's axes; a
+    wrench is the force and the moment about the origin, in the frame's axes. The frames are taken as rigidly joined at
+    q. Equations: Lynch and Park, "Modern Robotics", 2017, sections 3.3.2 and 3.4.
 
     Args:
         model: the robot.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +16,7 @@ __all__ = ["Chain", "Summary", "summary"]
 _FEW = 3  # meshes named one by one; beyond it they are counted
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Chain:
     """The way from the root to one tip, and the independent joints that move the tip."""
 
@@ -25,7 +24,7 @@ class Chain:
     joints: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Summary:
     """What a robot is made of.
 
@@ -61,7 +60,10 @@ def summary(model: Model) -> Summary:
     total = sum(link.inertial.mass for link in robot.links if link.inertial)
     masses, certificate = certified(model, lambda engine: np.array(engine.masses()), abs(total))
     chains = tuple(Chain(tip, tuple(j.name for j in robot.movable_path(robot.root, tip))) for tip in robot.tips)
-    remarks = sorted((*robot.remarks, *_odd_names(robot), *_odd_joints(robot), *_odd_inertials(robot), *_lost_meshes(model)), key=_place)
+    remarks = sorted(
+        (*robot.remarks, *_odd_names(robot), *_odd_joints(robot), *_odd_inertials(robot), *_lost_meshes(model)),
+        key=_place,
+    )
     return Summary(
         robot,
         chains,
@@ -100,20 +102,24 @@ def _odd_joints(robot: Robot) -> list[Remark]:
     for joint in robot.joints:
         lower, upper = joint.limit.range
         if joint.mimic is None and joint.type.nq == 1 and not lower <= 0 <= upper:
-            remarks.append(Remark(joint.line, _label(joint), f"position 0 is outside its limits [{lower:.6g}, {upper:.6g}]"))
+            remarks.append(
+                Remark(joint.line, _label(joint), f"position 0 is outside its limits [{lower:.6g}, {upper:.6g}]")
+            )
         if joint.type is JointType.FLOATING and joint.line:
-            remarks.append(Remark(joint.line, _label(joint), "a floating joint: most tools want it left out of the file"))
+            remarks.append(
+                Remark(joint.line, _label(joint), "a floating joint: most tools want it left out of the file")
+            )
     if not robot.independent and robot.joints:
         remarks.append(Remark(0, "<robot>", "no joint can move"))
     return remarks
 
 
 def _odd_inertials(robot: Robot) -> list[Remark]:
-    remarks = []
-    for link in robot.links:
-        if link.inertial is not None and (fault := _fault(link.inertial)):
-            remarks.append(Remark(link.line, f"<link name={quote(link.name, 40)}>", fault))
-    return remarks
+    return [
+        Remark(link.line, f"<link name={quote(link.name, 40)}>", fault)
+        for link in robot.links
+        if link.inertial is not None and (fault := _fault(link.inertial))
+    ]
 
 
 def _fault(inertial: Inertial) -> str | None:
@@ -150,7 +156,9 @@ def _lost_meshes(model: Model) -> list[Remark]:
     remarks = []
     for reason, meshes in reasons.items():
         if len(meshes) > _FEW:
-            remarks.append(Remark(meshes[0][0], "<mesh>", f"{len(meshes)} meshes, {quote(meshes[0][1])} the first: {reason}"))
+            remarks.append(
+                Remark(meshes[0][0], "<mesh>", f"{len(meshes)} meshes, {quote(meshes[0][1])} the first: {reason}")
+            )
         else:
             remarks += [Remark(line, "<mesh>", f"{quote(uri)}: {reason}") for line, uri in meshes]
     return remarks
@@ -158,9 +166,3 @@ def _lost_meshes(model: Model) -> list[Remark]:
 
 def _label(joint: Joint) -> str:
     return f"<joint name={quote(joint.name, 40)}>"
-
-
-def shown_range(joint: Joint) -> tuple[float | None, float | None]:
-    """Return a joint's position limits, None where there is none."""
-    lower, upper = joint.limit.range
-    return (lower if math.isfinite(lower) else None, upper if math.isfinite(upper) else None)

@@ -1,0 +1,1 @@
+"""The two engines that compute every number, and the protocol that both keep."""

@@ -14,7 +14,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pinocchio as pin
@@ -43,7 +43,7 @@ def version() -> str:
     return str(pin.__version__)
 
 
-@dataclass(slots=True)
+@dataclass
 class _Joint:
     """A movable joint as the text has it, and where Pinocchio keeps it."""
 
@@ -297,7 +297,7 @@ def _read_joints(text: str, floating_base: bool) -> list[_Joint]:
     joints = []
     if floating_base:
         joints.append(_Joint(FLOATING_BASE_JOINT, "floating", np.array([0.0, 0.0, 1.0])))
-    for element in ElementTree.fromstring(text).iter("joint"):
+    for element in ET.fromstring(text).iter("joint"):  # noqa: S314 (the text is ours, by urdf.canonical)
         kind = element.get("type", "")
         if kind == "fixed":
             continue

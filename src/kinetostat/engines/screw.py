@@ -17,7 +17,7 @@ import numpy as np
 
 from kinetostat.conventions import Array, Velocity, WrenchOrTwist
 from kinetostat.screw import se3, so3
-from kinetostat.screw.adjoint import adjoint, coadjoint, twist_matrix
+from kinetostat.screw.adjoint import adjoint, carry, coadjoint, cross, twist_matrix
 from kinetostat.screw.chain import screw
 from kinetostat.urdf.description import Joint, JointType, Origin, Robot
 
@@ -43,7 +43,8 @@ class ScrewEngine:
     def placement(self, q: Array, frame: str, relative_to: str) -> Array:
         """Return T_a_f = T_a^-1 T_f."""
         placements = self._placements(q, (frame, relative_to))
-        return se3.inverse(placements[relative_to]) @ placements[frame]
+        placement = se3.inverse(placements[relative_to]) @ placements[frame]
+        return np.broadcast_to(placement, (*np.shape(q)[:-1], 4, 4))
 
     def frame_change(self, q: Array, start: str, end: str, kind: WrenchOrTwist) -> Array:
         """Return Ad(T_end_start) for twists, Ad*(T_end_start) for wrenches."""
@@ -51,39 +52,29 @@ class ScrewEngine:
         return adjoint(placement) if kind is WrenchOrTwist.TWIST else coadjoint(placement)
 
     def jacobian(self, q: Array, velocity: Velocity) -> Array:
-        """Return X Ad(T_a^-1) (J_f - J_a), X the shift to the point and the turn to the axes."""
+        """Return R_e^T (v + w x p ; w) of the columns (v ; w) of J_f - J_a, all in the root's coordinates."""
         placements = self._placements(q, self._frames(velocity))
         columns = self._relative_columns(placements, velocity, np.shape(q)[:-1])
-        to_observer = adjoint(se3.inverse(placements[velocity.relative_to]))
-        point, axes = self._point_and_axes(placements, velocity)
-        jacobian: Array = _to_axes(axes) @ _to_point(point) @ to_observer @ columns
-        return jacobian
+        at_point = _at_point(columns, self._point(placements, velocity))
+        return self._in_axes(at_point, placements, velocity)
 
     def jacobian_rate(self, q: Array, qdot: Array, velocity: Velocity) -> Array:
-        """Return d/dt [X Ad(T_a^-1) (J_f - J_a)] by the product rule, all of it in the observer's coordinates."""
-        observer = velocity.relative_to
+        """Return the rate of `jacobian` by the product rule: of the columns, of the point, and of the axes."""
         shape = np.broadcast_shapes(np.shape(q)[:-1], np.shape(qdot)[:-1])
         placements = self._placements(q, self._frames(velocity))
         twists = self._twists(placements, qdot, self._frames(velocity))
-        to_observer = adjoint(se3.inverse(placements[observer]))
         columns = self._relative_columns(placements, velocity, shape)
         rates = self._relative_columns(placements, velocity, shape, twists)
-        # In the observer's coordinates: d(Ad(T_a^-1) S)/dt = Ad(T_a^-1) (dS/dt - [V_a, S]).
-        rates = to_observer @ (rates - twist_matrix(twists[observer]) @ columns)
-        columns = to_observer @ columns
-        relative = {f: _apply(to_observer, twists[f] - twists[observer]) for f in (velocity.of, velocity.expressed_in)}
-        point, axes = self._point_and_axes(placements, velocity)
-        point_rate = np.zeros((*shape, 3))
-        if velocity.point is not None:
-            twist = relative[velocity.of]
-            point_rate = twist[..., :3] + np.cross(twist[..., 3:], point)
-        shift = _to_point(point)
-        shifted_rate = shift @ rates + _shift_rate(point_rate) @ columns
-        turning = so3.hat(relative[velocity.expressed_in][..., 3:])
-        shifted = shift @ columns
-        turned = np.concatenate([turning @ shifted[..., :3, :], turning @ shifted[..., 3:, :]], -2)
-        result: Array = _to_axes(axes) @ (shifted_rate - turned)
-        return result
+        point = self._point(placements, velocity)
+        carrier = twists[velocity.relative_to if velocity.point is None else velocity.of]
+        point_rate = carrier[..., :3] + np.cross(carrier[..., 3:], point)
+        at_point = _at_point(columns, point)
+        rate = _at_point(rates, point)
+        rate[..., :3, :] += cross(columns[..., 3:, :], point_rate[..., None])
+        turning = twists[velocity.expressed_in][..., 3:, None]
+        rate[..., :3, :] -= cross(turning, at_point[..., :3, :])
+        rate[..., 3:, :] -= cross(turning, at_point[..., 3:, :])
+        return self._in_axes(rate, placements, velocity)
 
     def masses(self) -> tuple[float, float]:
         """Return the mass of the base link and of all other links, in kg."""
@@ -94,26 +85,28 @@ class ScrewEngine:
     # --- forward kinematics ------------------------------------------------------------------------------------
 
     def _placements(self, q: Array, frames: Iterable[str]) -> dict[str, Array]:
-        """Return T_0_l for the given links and all links above them."""
+        """Return T_0_l for the given links and all links above them. The root's own is (4, 4), others (..., 4, 4)."""
         q = np.asarray(q, dtype=np.float64)
-        placements: dict[str, Array] = {self._robot.root: np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))}
+        placements: dict[str, Array] = {self._robot.root: np.eye(4)}
         for frame in frames:
             for joint in reversed([j for j in self._robot.to_root(frame) if j.child not in placements]):
-                moved = placements[joint.parent] @ _origin(joint.origin)
-                placements[joint.child] = moved if joint.type is JointType.FIXED else moved @ self._motion(joint, q)
+                placements[joint.child] = placements[joint.parent] @ self._motion(joint, q)
         return placements
 
     def _motion(self, joint: Joint, q: Array) -> Array:
-        """Return the placement of the child link in the joint frame. (..., nq) -> (..., 4, 4)."""
+        """Return A_i exp(s_i q_i), the placement of the child link in the parent. (..., nq) -> (..., 4, 4)."""
+        origin = _origin(joint.origin)
+        if joint.type is JointType.FIXED:
+            return origin
         if joint.type is JointType.FLOATING:
             part = q[..., self._robot.position_slices[joint.name]]
-            return se3.placement(so3.from_quaternion(part[..., 3:]), part[..., :3])
+            return origin @ se3.placement(so3.from_quaternion(part[..., 3:]), part[..., :3])
         if joint.type is JointType.PLANAR:
             part = q[..., self._robot.position_slices[joint.name]]
             in_plane = np.concatenate([part[..., :2], np.zeros_like(part[..., :1])], -1)
             turn = so3.carry_z_to(np.array(joint.axis))
-            return se3.placement(turn @ so3.about(2, part[..., 2]) @ turn.T, in_plane @ turn.T)
-        return se3.exp(_screws(joint)[:, 0] * self._position(joint, q)[..., None])
+            return origin @ se3.placement(turn @ so3.about(2, part[..., 2]) @ turn.T, in_plane @ turn.T)
+        return se3.exp_along(_screws(joint)[:, 0], self._position(joint, q), origin)
 
     def _position(self, joint: Joint, q: Array) -> Array:
         """Return the position of a joint with one coordinate, its leader's law applied if it follows one."""
@@ -137,13 +130,17 @@ class ScrewEngine:
         return self._robot.velocity_slices[law.joint], law.multiplier
 
     def _relative_columns(
-        self, placements: dict[str, Array], velocity: Velocity, shape: tuple[int, ...], twists: dict[str, Array] | None = None
+        self,
+        placements: dict[str, Array],
+        velocity: Velocity,
+        shape: tuple[int, ...],
+        twists: dict[str, Array] | None = None,
     ) -> Array:
         """Return J_f - J_a as space screws (..., 6, nv); given the links' twists, its rate by carried screws."""
         columns = np.zeros((*shape, 6, self._robot.nv))
         for joint, sign in self._robot.path(velocity.relative_to, velocity.of):
             if joint.type is not JointType.FIXED:
-                space = adjoint(placements[joint.child]) @ _screws(joint)
+                space = carry(placements[joint.child], _screws(joint))
                 if twists is not None:
                     space = twist_matrix(twists[joint.child]) @ space
                 where, factor = self._columns_of(joint)
@@ -159,17 +156,22 @@ class ScrewEngine:
                 twists[joint.child] = twists[joint.parent]
                 if joint.type is not JointType.FIXED:
                     where, factor = self._columns_of(joint)
-                    space = adjoint(placements[joint.child]) @ _screws(joint)
+                    space = carry(placements[joint.child], _screws(joint))
                     twists[joint.child] = twists[joint.child] + _apply(space, factor * qdot[..., where])
         return twists
 
-    def _point_and_axes(self, placements: dict[str, Array], velocity: Velocity) -> tuple[Array, Array]:
-        """Return the point and the rotation R_a_e, both in the observer's coordinates."""
-        to_observer = se3.inverse(placements[velocity.relative_to])
-        axes = (to_observer @ placements[velocity.expressed_in])[..., :3, :3]
+    def _point(self, placements: dict[str, Array], velocity: Velocity) -> Array:
+        """Return the point of the labelled velocity in the root's coordinates. (..., 3)."""
         if velocity.point is None:
-            return np.zeros((*axes.shape[:-2], 3)), axes
-        return se3.transform(to_observer @ placements[velocity.of], np.array(velocity.point)), axes
+            return placements[velocity.relative_to][..., :3, 3]
+        return se3.transform(placements[velocity.of], np.array(velocity.point))
+
+    def _in_axes(self, columns: Array, placements: dict[str, Array], velocity: Velocity) -> Array:
+        """Turn columns (..., 6, nv) from the root's axes to those of the labelled velocity."""
+        if velocity.expressed_in == self._robot.root:
+            return columns
+        to_axes = np.swapaxes(placements[velocity.expressed_in][..., :3, :3], -1, -2)
+        return np.concatenate([to_axes @ columns[..., :3, :], to_axes @ columns[..., 3:, :]], -2)
 
 
 def _origin(origin: Origin) -> Array:
@@ -198,18 +200,7 @@ def _apply(matrix: Array, vector: Array) -> Array:
     return result
 
 
-def _to_point(point: Array) -> Array:
-    """Return [[1, -[p]], [0, 1]]: from the twist at the origin to the twist at p, same axes."""
-    return adjoint(se3.placement(np.eye(3), -point))
-
-
-def _shift_rate(rate: Array) -> Array:
-    """Return the rate of `_to_point` while the point moves: [[0, -[dp/dt]], [0, 0]]."""
-    matrix = np.zeros((*rate.shape[:-1], 6, 6))
-    matrix[..., :3, 3:] = -so3.hat(rate)
-    return matrix
-
-
-def _to_axes(rotation: Array) -> Array:
-    """Return blockdiag(R^T, R^T): from the observer's axes to the axes of R."""
-    return adjoint(se3.placement(np.swapaxes(rotation, -1, -2), _ORIGIN))
+def _at_point(columns: Array, point: Array) -> Array:
+    """Return the columns (v + w x p ; w) of (v ; w): the velocity of the point, not of the one at the origin."""
+    angular = columns[..., 3:, :]
+    return np.concatenate([columns[..., :3, :] + cross(angular, point[..., None]), angular], -2)

@@ -1,0 +1,1 @@
+"""Results to text, JSON and CSV. Nothing is computed and nothing is printed here."""

@@ -18,9 +18,13 @@ def render(table: Table) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     units = table.units or ("",) * len(table.header)
-    writer.writerow([_safe(f"{name} [{unit}]" if unit else name) for name, unit in zip(table.header, units, strict=True)])
+    writer.writerow(
+        [_safe(f"{name} [{unit}]" if unit else name) for name, unit in zip(table.header, units, strict=True)]
+    )
     for row in table.rows:
-        writer.writerow(["" if cell is None else repr(cell) if isinstance(cell, float) else _safe(cell) for cell in row])
+        writer.writerow(
+            ["" if cell is None else repr(cell) if isinstance(cell, float) else _safe(cell) for cell in row]
+        )
     return out.getvalue()
 
 

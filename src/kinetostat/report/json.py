@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from kinetostat.analysis.configuration import Configuration
-from kinetostat.analysis.crosscheck import Certificate
-from kinetostat.analysis.jacobian import Jacobian
-from kinetostat.analysis.kinematics import FrameChange, Placement
-from kinetostat.analysis.summary import Summary, shown_range
 from kinetostat.conventions import Array, Order
-from kinetostat.engines.model import Model
 from kinetostat.urdf.description import Joint, Robot
 from kinetostat.urdf.files import short_names
+
+if TYPE_CHECKING:
+    from kinetostat.analysis.configuration import Configuration
+    from kinetostat.analysis.crosscheck import Certificate
+    from kinetostat.analysis.jacobian import Jacobian
+    from kinetostat.analysis.kinematics import FrameChange, Placement
+    from kinetostat.analysis.summary import Summary
+    from kinetostat.engines.model import Model
 
 __all__ = [
     "adjoint_result",
@@ -127,7 +128,11 @@ def frames_result(robot: Robot) -> Json:
     frames = []
     for link in robot.links:
         joint = robot.parent_joint.get(link.name)
-        above = {"parent": None, "joint": None, "type": None} if joint is None else {"parent": joint.parent, "joint": joint.name, "type": joint.type.value}
+        above = (
+            {"parent": None, "joint": None, "type": None}
+            if joint is None
+            else {"parent": joint.parent, "joint": joint.name, "type": joint.type.value}
+        )
         frames.append({"frame": link.name, **above, "line": link.line})
     return {"root": robot.root, "frames": frames}
 
@@ -139,7 +144,8 @@ def info_result(result: Summary) -> Json:
         "root": robot.root,
         "degrees_of_freedom": robot.nv,
         "links": [
-            {"name": link.name, "line": link.line, "mass": None if link.inertial is None else link.inertial.mass} for link in robot.links
+            {"name": link.name, "line": link.line, "mass": None if link.inertial is None else link.inertial.mass}
+            for link in robot.links
         ],
         "joints": [_joint(joint) for joint in robot.joints],
         "chains": [{"tip": chain.tip, "joints": list(chain.joints)} for chain in result.chains],
@@ -164,7 +170,7 @@ def robots_result(textbook: Mapping[str, Path], example: Mapping[str, Path]) -> 
 
 
 def _joint(joint: Joint) -> Json:
-    lower, upper = shown_range(joint) if joint.type.nq == 1 else (None, None)
+    lower, upper = map(_finite, joint.limit.range) if joint.type.nq == 1 else (None, None)
     unit = None if joint.type.nq != 1 else "rad" if joint.type.is_angle else "m"
     payload: Json = {
         "name": joint.name,
@@ -205,9 +211,13 @@ def _nested(array: Array) -> Any:
 
 def _text(value: Any, indent: str) -> str:
     """Return JSON text: objects and lists of objects spread over lines, lists of numbers and words on one."""
+    import json  # where it is used: tables, which people wait for, are written without it
+
     inner = indent + "  "
     if isinstance(value, Mapping) and value:
-        items = ",\n".join(f"{inner}{json.dumps(str(key), ensure_ascii=False)}: {_text(part, inner)}" for key, part in value.items())
+        items = ",\n".join(
+            f"{inner}{json.dumps(str(key), ensure_ascii=False)}: {_text(part, inner)}" for key, part in value.items()
+        )
         return f"{{\n{items}\n{indent}}}"
     if isinstance(value, list) and any(isinstance(part, (list, Mapping)) for part in value):
         items = ",\n".join(f"{inner}{_text(part, inner)}" for part in value)

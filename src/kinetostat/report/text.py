@@ -19,16 +19,14 @@ _NARROWEST = 6
 def render(view: View) -> str:
     """Return the view as text. Whatever comes from a robot file is made printable."""
     blocks = [view.title]
+    if view.drawing:
+        blocks.append("\n".join(printable(line) for line in view.drawing))
     for table in view.tables:
-        body = _numbers(table) if _has_numbers(table) else _words(table)
+        body = _words(table) if table.words else _numbers(table)
         blocks.append(f"{table.title}\n{body}" if table.title else body)
     if view.notes:
         blocks.append("\n".join(printable(line) for line in view.notes))
     return "\n\n".join(blocks) + "\n"
-
-
-def _has_numbers(table: Table) -> bool:
-    return any(isinstance(cell, float) for row in table.rows for cell in row)
 
 
 # --- numbers: columns of equal width, split into blocks where the page ends ------------------------------------
@@ -36,7 +34,7 @@ def _has_numbers(table: Table) -> bool:
 
 def _numbers(table: Table) -> str:
     """Return a table of numbers. Its leading word columns are repeated before each block of number columns."""
-    labels = next((i for i in range(len(table.header)) if any(isinstance(row[i : i + 1] and row[i], float) for row in table.rows)), 1)
+    labels = min((i for row in table.rows for i, cell in enumerate(row) if isinstance(cell, float)), default=1)
     form = _form([cell for row in table.rows for cell in row if isinstance(cell, float)])
     rows = [[_shown(cell, form) for cell in row] + [""] * (len(table.header) - len(row)) for row in table.rows]
     names = [printable(name) for name in table.header]
@@ -48,17 +46,26 @@ def _numbers(table: Table) -> str:
     blocks = []
     for start in range(labels, max(len(names), labels + 1), per_block):
         block = range(start, min(start + per_block, len(names)))
-        head = [_broken(names[i], width) for i in block]
-        tall = max((len(parts) for parts in head), default=0)
-        lines = [["", [parts[k - tall + len(parts)] if k >= tall - len(parts) else "" for parts in head]] for k in range(tall)]
-        text = []
-        for k, (_, cells) in enumerate(lines):
-            text.append(_line(names[:labels] if k == tall - 1 else [""] * labels, label_widths, cells, width))
+        heads = [_broken(names[i], width) for i in block]
+        tall = max(len(head) for head in heads)
+        lines = [
+            _line(
+                names[:labels] if k == tall - 1 else [""] * labels,
+                label_widths,
+                [_from_below(h, tall)[k] for h in heads],
+                width,
+            )
+            for k in range(tall)
+        ]
         if any(units):
-            text.append(_line(units[:labels], label_widths, [units[i] for i in block], width))
-        text += [_line(row[:labels], label_widths, [row[i] for i in block], width) for row in rows]
-        blocks.append("\n".join(line.rstrip() for line in text if line.strip()))
+            lines.append(_line(units[:labels], label_widths, [units[i] for i in block], width))
+        lines += [_line(row[:labels], label_widths, [row[i] for i in block], width) for row in rows]
+        blocks.append("\n".join(line.rstrip() for line in lines))
     return "\n\n".join(blocks)
+
+
+def _from_below(pieces: list[str], tall: int) -> list[str]:
+    return [""] * (tall - len(pieces)) + pieces
 
 
 def _line(labels: Sequence[str], label_widths: Sequence[int], cells: Sequence[str], width: int) -> str:
@@ -94,7 +101,7 @@ def _broken(name: str, width: int) -> list[str]:
 
 
 def _words(table: Table) -> str:
-    rows = [[_shown(cell, "") for cell in row] for row in table.rows]
+    rows = [[_shown(cell, ".5g") for cell in row] for row in table.rows]
     header = list(table.header)
     widths = [max(len(row[i]) for row in [header, *rows]) for i in range(len(header))]
     last_room = min(widths[-1], 30)

@@ -1,4 +1,4 @@
-"""Results to views: titled tables of numbers and words, which a renderer turns into text or CSV. Nothing is printed here."""
+"""Results to views: titled tables of numbers and words, which a renderer turns into text or CSV."""
 
 from __future__ import annotations
 
@@ -6,43 +6,61 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kinetostat.analysis.configuration import Configuration
-from kinetostat.analysis.crosscheck import Certificate
-from kinetostat.analysis.jacobian import Jacobian
-from kinetostat.analysis.kinematics import FrameChange, Placement
-from kinetostat.analysis.summary import Summary
 from kinetostat.conventions import Array, Order, Velocity
 from kinetostat.errors import quote
 from kinetostat.urdf.description import Joint, JointType, Robot
 from kinetostat.urdf.files import short_names
 
-__all__ = ["Cell", "Table", "View", "adjoint_view", "fk_view", "frames_view", "info_view", "jacobian_view", "robots_view"]
+if TYPE_CHECKING:
+    from kinetostat.analysis.configuration import Configuration
+    from kinetostat.analysis.crosscheck import Certificate
+    from kinetostat.analysis.jacobian import Jacobian
+    from kinetostat.analysis.kinematics import FrameChange, Placement
+    from kinetostat.analysis.summary import Summary
+
+__all__ = [
+    "Cell",
+    "Table",
+    "View",
+    "adjoint_view",
+    "fk_view",
+    "frames_view",
+    "info_view",
+    "jacobian_view",
+    "robots_view",
+]
 
 Cell = str | float | None
 
 _TOO_TALL = 400  # rows of a drawn tree
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Table:
-    """A header, a unit for each column, and rows. The first column labels the row."""
+    """A header, a unit for each column, and rows. The first column labels the row.
+
+    A table of numbers is set in columns of one width and one format; a table of words (`words`) as lines to read.
+    """
 
     header: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     units: tuple[str, ...] = ()
     title: str = ""
+    words: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class View:
-    """What is shown of a result: a title, tables (CSV gives the first), and lines below them."""
+    """What is shown of a result: a title, a drawing, tables (CSV gives the first), and lines below them."""
 
     title: str
     tables: tuple[Table, ...] = ()
     notes: tuple[str, ...] = ()
+    drawing: tuple[str, ...] = ()
 
 
 def certificate_note(certificate: Certificate) -> str:
@@ -50,7 +68,8 @@ def certificate_note(certificate: Certificate) -> str:
     if certificate.max_difference is None:
         return f"not cross-checked: {certificate.engines[0]} alone"
     both, verdict = " and ".join(certificate.engines), "agree" if certificate.agree else "DISAGREE"
-    return f"computed twice: {both} {verdict} (largest difference {certificate.max_difference:.1e}, tolerance {certificate.tolerance:.1e})"
+    numbers = f"largest difference {certificate.max_difference:.1e}, tolerance {certificate.tolerance:.1e}"
+    return f"{both} {verdict}: {numbers}"
 
 
 def disagreement_tables(certificate: Certificate) -> tuple[Table, ...]:
@@ -58,9 +77,9 @@ def disagreement_tables(certificate: Certificate) -> tuple[Table, ...]:
     tables = []
     for engine, value in zip(certificate.engines, certificate.values, strict=False):
         flat = value.reshape(-1, value.shape[-1]) if value.ndim > 1 else value[None]
-        rows = tuple((f"row {i + 1}", *map(float, row)) for i, row in enumerate(flat))
+        rows: list[tuple[Cell, ...]] = [(f"row {i + 1}", *map(float, row)) for i, row in enumerate(flat)]
         header = ("", *(str(i + 1) for i in range(flat.shape[-1])))
-        tables.append(Table(header, rows, title=f"by {engine}"))
+        tables.append(Table(header, tuple(rows), title=f"by {engine}"))
     return tuple(tables)
 
 
@@ -91,9 +110,14 @@ def jacobian_view(result: Jacobian, at: Configuration, *, order: Order, degrees:
     return View(f"{kind} {velocity_label(result.velocity)}", tuple(tables), notes)
 
 
-def _matrix_rows(result: Jacobian, matrix: Array, order: Order, *, per_second: bool = False) -> tuple[tuple[Cell, ...], ...]:
-    more = "/s" if per_second else ""
-    return tuple((result.rows[i], result.row_units[i].replace("/s", "/s2") if more else result.row_units[i], *map(float, matrix[i])) for i in order.rows)
+def _matrix_rows(
+    result: Jacobian, matrix: Array, order: Order, *, per_second: bool = False
+) -> tuple[tuple[Cell, ...], ...]:
+    rows: list[tuple[Cell, ...]] = []
+    for i in order.rows:
+        unit = result.row_units[i].replace("/s", "/s2") if per_second else result.row_units[i]
+        rows.append((result.rows[i], unit, *map(float, matrix[i])))
+    return tuple(rows)
 
 
 def _positions(at: Configuration, columns: Sequence[str], degrees: bool) -> list[Cell] | None:
@@ -113,24 +137,27 @@ def fk_view(result: Placement, *, degrees: bool) -> View:
     """Return the view of a placement."""
     angles = np.degrees(result.rpy) if degrees else result.rpy
     x, y, z = (float(c) for c in result.position)
-    numbers = Table(
-        ("", "", "", "", "", "unit"),
-        (
-            ("position x y z", x, y, z, "", "m"),
-            ("rpy", *(float(a) for a in angles), "", "deg" if degrees else "rad"),
-            ("quaternion xyzw", *(float(c) for c in result.quaternion_xyzw), ""),
-        ),
+    position = Table(("", "unit", "x", "y", "z"), (("position", "m", x, y, z),))
+    turned = Table(("", "unit", "roll", "pitch", "yaw"), (("rpy", "deg" if degrees else "rad", *map(float, angles)),))
+    quaternion = Table(("", "x", "y", "z", "w"), (("quaternion", *map(float, result.quaternion_xyzw)),))
+    matrix = Table(
+        ("", "x", "y", "z", "origin"),
+        tuple((f"row {i + 1}", *map(float, result.matrix[i])) for i in range(4)),
+        title="matrix T",
     )
-    matrix = Table(("", "x", "y", "z", "origin"), tuple((f"row {i + 1}", *map(float, result.matrix[i])) for i in range(4)), title="matrix T")
-    return View(f"{_name(result.frame)} relative to {_name(result.relative_to)}", (numbers, matrix))
+    return View(
+        f"{_name(result.frame)} relative to {_name(result.relative_to)}", (position, turned, quaternion, matrix)
+    )
 
 
 def adjoint_view(result: FrameChange, applied: Array | None, *, order: Order) -> View:
     """Return the view of a frame change; rows and columns, and the applied six-vector, in the given order."""
     names, units = result.kind.rows, result.kind.units
-    rows = tuple((names[i], units[i], *(float(result.matrix[i, j]) for j in order.rows)) for i in order.rows)
+    rows: list[tuple[Cell, ...]] = [
+        (names[i], units[i], *(float(result.matrix[i, j]) for j in order.rows)) for i in order.rows
+    ]
     header = ("", "unit", *(names[j] for j in order.rows))
-    tables = [Table(header, rows, ("", "", *(units[j] for j in order.rows)))]
+    tables = [Table(header, tuple(rows), ("", "", *(units[j] for j in order.rows)))]
     if applied is not None:
         carried = tuple((names[i], units[i], float(applied[i])) for i in order.rows)
         tables.append(Table(("", "unit", "value"), carried, title=f"the given {result.kind} in {_name(result.end)}"))
@@ -147,82 +174,102 @@ def frames_view(robot: Robot) -> View:
             rows.append((link.name, "", "", "", str(depth)))
         else:
             rows.append((link.name, joint.parent, joint.name, joint.type.value, str(depth)))
-    return View(f"{len(rows)} frames of {_name(robot.name)}, root {_name(robot.root)}", (Table(("frame", "parent", "joint", "type", "depth"), tuple(rows)),))
+    return View(
+        f"{len(rows)} frames of {_name(robot.name)}, root {_name(robot.root)}",
+        (Table(("frame", "parent", "joint", "type", "depth"), tuple(rows), words=True),),
+    )
 
 
 def info_view(result: Summary, *, degrees: bool) -> View:
     """Return the view of what is in a file."""
     robot = result.robot
     movable = sum(joint.type is not JointType.FIXED for joint in robot.joints)
+    name = _name(robot.name) or "a robot without a name"
+    total = result.base_mass + result.moving_mass
     title = (
-        f"{_name(robot.name) or 'a robot without a name'}: {len(robot.links)} links, {len(robot.joints)} joints ({movable} movable), {robot.nv} degrees of freedom\n"
-        f"mass {result.base_mass + result.moving_mass:.6g} kg, without the base link {_name(robot.root)} {result.moving_mass:.6g} kg; "
-        f"longest chain {result.reach:.4g} m"
+        f"{name}: {len(robot.links)} links, {len(robot.joints)} joints ({movable} movable), "
+        f"{robot.nv} degrees of freedom\n"
+        f"mass {total:.6g} kg, {result.moving_mass:.6g} kg without the base link {_name(robot.root)}\n"
+        f"longest chain {result.reach:.4g} m, stretched out"
     )
-    tables = [_joint_table(robot, degrees)] if movable else []
-    if result.chains:
-        chains = tuple((c.tip, str(len(c.joints)), " ".join(c.joints)) for c in result.chains)
-        tables.append(Table(("tip", "joints", "in path order"), chains, title="chains"))
-    if result.groups:
-        groups = tuple((name, str(len(joints)), " ".join(joints)) for name, joints in result.groups.items())
-        tables.append(Table(("group", "joints", "named"), groups, title="SRDF groups"))
-    if result.states:
-        states = tuple((state,) for state in result.states)
-        tables.append(Table(("state",), states, title="SRDF states, for --config"))
+    tables = [_joint_table(robot, degrees)]
+    followers: tuple[tuple[Cell, ...], ...] = tuple((j.name, _law(j)) for j in robot.joints if j.mimic is not None)
+    chains = tuple((c.tip, str(len(c.joints)), " ".join(c.joints)) for c in result.chains)
+    groups = tuple((name, str(len(joints)), " ".join(joints)) for name, joints in result.groups.items())
+    states = tuple((state,) for state in result.states)
     remarks = tuple((str(r.line) if r.line else "", r.element, r.text) for r in result.remarks)
-    if remarks:
-        tables.append(Table(("line", "element", "what is odd about it"), remarks, title="remarks"))
-    return View(title, tuple(tables), (*tree_lines(robot), "", "nothing odd about the file" if not remarks else f"{len(remarks)} remarks"))
+    tables += [
+        Table(header, rows, title=title, words=True)
+        for title, header, rows in (
+            ("followers", ("joint", "position"), followers),
+            ("chains", ("tip", "joints", "in path order"), chains),
+            ("SRDF groups", ("group", "joints", "named"), groups),
+            ("SRDF states, for --config", ("state",), states),
+            ("what is odd about the file", ("line", "element", "remark"), remarks),
+        )
+        if rows
+    ]
+    notes = () if remarks else ("nothing is odd about the file",)
+    return View(title, tuple(tables), notes, tree_lines(robot))
 
 
 def _joint_table(robot: Robot, degrees: bool) -> Table:
+    """Return the movable joints with their limits in rad (or deg), m, Nm or N, per second."""
     rows: list[tuple[Cell, ...]] = []
     for joint in robot.joints:
         if joint.type is not JointType.FIXED:
-            rows.append((joint.name, joint.type.value, _axis(joint), *_limits(joint, degrees), _follows(joint)))
-    return Table(("joint", "type", "axis", "lower", "upper", "unit", "follows"), tuple(rows), title="movable joints")
+            factor = 180 / math.pi if degrees and joint.type.is_angle else 1.0
+            ends = joint.limit.range if joint.type.nq == 1 else (None, None)
+            cells = [*(_scaled(end, factor) for end in ends), joint.limit.effort, _scaled(joint.limit.velocity, factor)]
+            rows.append((joint.name, joint.type.value, _axis(joint), *cells))
+    header = ("joint", "type", "axis", "lower", "upper", "effort", "velocity")
+    title = f"movable joints; angles in {'deg' if degrees else 'rad'}, lengths in m, effort in Nm or N, velocity per s"
+    return Table(header, tuple(rows), title=title, words=True)
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None or not math.isfinite(value) else value * factor
 
 
 def _axis(joint: Joint) -> str:
     return "" if joint.type is JointType.FLOATING else " ".join(f"{c:.3g}" for c in joint.axis)
 
 
-def _limits(joint: Joint, degrees: bool) -> tuple[str, str, str]:
-    if joint.type.nq != 1:
-        return "", "", ""
-    factor = 180 / math.pi if degrees and joint.type.is_angle else 1.0
-    unit = ("deg" if degrees else "rad") if joint.type.is_angle else "m"
-    lower, upper = (f"{end * factor:.5g}" if math.isfinite(end) else "none" for end in joint.limit.range)
-    return lower, upper, unit
-
-
-def _follows(joint: Joint) -> str:
+def _law(joint: Joint) -> str:
+    """Return a follower's law in words."""
     if joint.mimic is None:
-        return f"pitch {joint.pitch:g} m" if joint.type is JointType.SCREW else ""
+        return ""
     offset = f" {joint.mimic.offset:+g}" if joint.mimic.offset else ""
-    return f"{joint.mimic.multiplier:g} {joint.mimic.joint}{offset}"
+    return f"{joint.mimic.multiplier:g} x {_name(joint.mimic.joint)}{offset}"
 
 
 def tree_lines(robot: Robot) -> tuple[str, ...]:
     """Return the kinematic tree drawn with lines, links with the joints that carry them."""
     lines = [_name(robot.root)]
-    stack = [(joint, "", i == len(robot.child_joints[robot.root]) - 1) for i, joint in enumerate(robot.child_joints[robot.root])][::-1]
+    stack = [
+        (joint, "", i == len(robot.child_joints[robot.root]) - 1)
+        for i, joint in enumerate(robot.child_joints[robot.root])
+    ][::-1]
     while stack:
         if len(lines) >= _TOO_TALL:
             return (*lines, f"... and {len(robot.links) - len(lines)} links more (kinetostat frames lists them)")
         joint, indent, last = stack.pop()
-        lines.append(f"{indent}{'`-' if last else '|-'} {_name(joint.child)}  ({_name(joint.name)}, {joint.type})")
+        lines.append(f"{indent}{'`-' if last else '|-'} {_name(joint.child)}  ({_name(joint.name)}, {_kind(joint)})")
         below = robot.child_joints[joint.child]
         inner = indent + ("   " if last else "|  ")
         stack += [(child, inner, i == len(below) - 1) for i, child in enumerate(below)][::-1]
     return tuple(lines)
 
 
+def _kind(joint: Joint) -> str:
+    return f"screw, {joint.pitch:g} m a turn" if joint.type is JointType.SCREW else joint.type.value
+
+
 def robots_view(textbook: dict[str, Path], example: dict[str, Path]) -> View:
     """Return the view of the robots that ship with the project and with example-robot-data."""
     rows: list[tuple[Cell, ...]] = [(f"textbook:{name}", "kinetostat") for name in textbook]
     rows += [(f"example:{name}", "example-robot-data") for name in short_names(example)]
-    return View(f"{len(rows)} robots", (Table(("robot", "comes with"), tuple(rows)),))
+    return View(f"{len(rows)} robots", (Table(("robot", "comes with"), tuple(rows), words=True),))
 
 
 def _name(name: str) -> str:

@@ -1,0 +1,1 @@
+"""Screw theory on arrays: pure mathematics, no robot and no file."""

@@ -16,13 +16,32 @@ import numpy as np
 from kinetostat.conventions import Array
 from kinetostat.screw.so3 import hat
 
-__all__ = ["adjoint", "bracket", "coadjoint", "twist_matrix"]
+__all__ = ["adjoint", "bracket", "carry", "coadjoint", "cross", "twist_matrix"]
 
 
 def adjoint(placement: Array) -> Array:
     """Return Ad(T), which carries twists from b to a for T = T_a_b. Shapes (..., 4, 4) -> (..., 6, 6)."""
     rotation, moment = _parts(placement)
     return _blocks(rotation, moment, np.zeros_like(rotation), rotation)
+
+
+def carry(placement: Array, twists: Array) -> Array:
+    """Return Ad(T) S for constant twists S, the columns of a matrix, without writing Ad(T) out.
+
+    Shapes (..., 4, 4), (6, k) -> (..., 6, k).
+    """
+    parts = np.zeros((4, 2 * twists.shape[1]))
+    parts[:3] = np.hstack([twists[:3], twists[3:]])
+    turned = np.dot(placement, parts)[..., :3, :]  # one matrix product for a whole batch
+    linear, angular = np.split(turned, 2, axis=-1)
+    return np.concatenate([linear + cross(placement[..., :3, 3, None], angular), angular], -2)
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Return a x b along the last axis but one: of columns. Shapes (..., 3, n), (..., 3, n) -> (..., 3, n)."""
+    ax, ay, az = a[..., 0, :], a[..., 1, :], a[..., 2, :]
+    bx, by, bz = b[..., 0, :], b[..., 1, :], b[..., 2, :]
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], -2)
 
 
 def coadjoint(placement: Array) -> Array:

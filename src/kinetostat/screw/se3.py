@@ -11,7 +11,7 @@ import numpy as np
 from kinetostat.conventions import Array
 from kinetostat.screw import so3
 
-__all__ = ["exp", "inverse", "log", "placement", "transform"]
+__all__ = ["exp", "exp_along", "inverse", "log", "placement", "transform"]
 
 
 def placement(rotation: Array, translation: Array) -> Array:
@@ -44,6 +44,24 @@ def exp(twist: Array) -> Array:
     twist = np.asarray(twist, dtype=np.float64)
     v, w = twist[..., :3], twist[..., 3:]
     return placement(so3.exp(w), (so3.left_jacobian(w) @ v[..., None])[..., 0])
+
+
+def exp_along(screw: Array, q: Array, start: Array | None = None) -> Array:
+    """Return start exp(S q) for one unit screw S = (v, w), |w| = 1 or w = 0, and many q.
+
+    With the 4x4 matrix [S], exp(S q) = 1 + sin q [S] + (1 - cos q) [S]^2 + (q - sin q) ([S] + [S]^3): four constant
+    matrices, so a batch costs three products of numbers. (For |w| = 1, [S]^4 = -[S]^2; the last term is the advance of
+    a screw with pitch, and the whole of a slide.) Shapes (6,), (...), (4, 4) -> (..., 4, 4). q in rad or m.
+    """
+    matrix = np.zeros((4, 4))
+    matrix[:3, :3], matrix[:3, 3] = so3.hat(screw[3:]), screw[:3]
+    home = np.eye(4) if start is None else start
+    square = matrix @ matrix
+    angle = np.asarray(q, dtype=np.float64)[..., None, None]
+    sine, versine = np.sin(angle), 2 * np.sin(angle / 2) ** 2
+    turned = sine * (home @ matrix) + versine * (home @ square)
+    moved: Array = home + turned + (angle - sine) * (home @ (matrix + square @ matrix))
+    return moved
 
 
 def log(matrix: Array) -> Array:

@@ -10,7 +10,18 @@ import numpy as np
 
 from kinetostat.conventions import Array
 
-__all__ = ["carry_z_to", "exp", "from_quaternion", "from_rpy", "hat", "left_jacobian", "log", "to_quaternion", "to_rpy", "vee"]
+__all__ = [
+    "carry_z_to",
+    "exp",
+    "from_quaternion",
+    "from_rpy",
+    "hat",
+    "left_jacobian",
+    "log",
+    "to_quaternion",
+    "to_rpy",
+    "vee",
+]
 
 # Below this angle the closed forms lose digits to cancellation and their power series have converged.
 _SERIES_BELOW = 0.25
@@ -101,7 +112,8 @@ def inverse_left_jacobian(w: Array) -> Array:
     safe = np.where(angle < _SERIES_BELOW, 1.0, angle)
     closed = (1 - (safe / 2) * np.cos(safe / 2) / np.sin(safe / 2)) / safe**2
     skew = hat(w)
-    return np.eye(3) - 0.5 * skew + np.where(angle < _SERIES_BELOW, series, closed) * (skew @ skew)
+    inverse: Array = np.eye(3) - 0.5 * skew + np.where(angle < _SERIES_BELOW, series, closed) * (skew @ skew)
+    return inverse
 
 
 def to_quaternion(rotation: Array) -> Array:
@@ -127,7 +139,8 @@ def to_quaternion(rotation: Array) -> Array:
     largest = np.argmax(np.diagonal(rows, axis1=-2, axis2=-1), axis=-1)
     row = np.take_along_axis(rows, largest[..., None, None], axis=-2)[..., 0, :]
     row = row / np.linalg.norm(row, axis=-1, keepdims=True)
-    return np.where(row[..., 3:] < 0, -row, row)
+    quaternion: Array = np.where(row[..., 3:] < 0, -row, row)
+    return quaternion
 
 
 def from_quaternion(xyzw: Array) -> Array:

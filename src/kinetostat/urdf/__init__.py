@@ -1,0 +1,1 @@
+"""Robot files: from bytes to a frozen description, safely."""

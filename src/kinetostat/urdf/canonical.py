@@ -8,12 +8,12 @@ number from them by itself. What is left out or mended does not bear on a number
 - white space in an attribute: urdfdom splits at single spaces only;
 - limits, which urdfdom refuses when they are incomplete or infinite: each is replaced by an empty one;
 - a missing robot name, and a version not of the form "1.0";
-- Drake's screw joint, which urdfdom does not know: it is written as a revolute joint, its pitch in an element of its own.
+- Drake's screw joint, which urdfdom does not know: it is written as a revolute joint with its pitch inside.
 """
 
 from __future__ import annotations
 
-from xml.sax.saxutils import quoteattr
+from xml.etree import ElementTree as ET
 
 from kinetostat.urdf.document import Document, Element
 
@@ -28,42 +28,41 @@ _JOINT_PARTS = ("origin", "parent", "child", "axis", "mimic")
 
 def canonical_text(document: Document) -> str:
     """Return the URDF text for Pinocchio of a document that the reader has accepted."""
+    robot = ET.Element("robot", name=document.root.attributes.get("name") or "robot")
     # quat_xyzw is only read by urdfdom when the file says that it is URDF 1.1 or later.
-    version = ' version="1.1"' if document.root.attributes.get("version", "1.0").strip() not in ("1.0", "1") else ""
-    name = quoteattr(document.root.attributes.get("name") or "robot")
-    parts = [f"<robot name={name}{version}>"]
+    if document.root.attributes.get("version", "1.0").strip() not in ("1.0", "1"):
+        robot.set("version", "1.1")
     for element in document.root.children:
         if element.tag == "link":
-            parts += _link(element)
+            _add_link(robot, element)
         elif element.tag in ("joint", "drake:joint"):
-            parts += _joint(element)
-    parts.append("</robot>")
-    return "\n".join(parts)
+            _add_joint(robot, element)
+    return ET.tostring(robot, encoding="unicode")
 
 
-def _link(element: Element) -> list[str]:
-    lines = [f"<link name={quoteattr(element.attributes['name'])}>"]
+def _add_link(robot: ET.Element, element: Element) -> None:
+    link = ET.SubElement(robot, "link", name=element.attributes["name"])
     for inertial in element.all("inertial"):
-        lines += ["<inertial>", *(_tag(c) for c in inertial.children if c.tag in _INERTIAL_PARTS), "</inertial>"]
-    return [*lines, "</link>"]
+        _copy(ET.SubElement(link, "inertial"), inertial, _INERTIAL_PARTS)
 
 
-def _joint(element: Element) -> list[str]:
+def _add_joint(robot: ET.Element, element: Element) -> None:
     kind = element.attributes["type"]
-    lines = [_tag(child) for child in element.children if child.tag in _JOINT_PARTS]
+    joint = ET.SubElement(robot, "joint", name=element.attributes["name"], type="revolute" if kind == "screw" else kind)
+    _copy(joint, element, _JOINT_PARTS)
     if kind == "screw":
-        kind = "revolute"
         pitch = element.all("drake:screw_thread_pitch")[0].attributes["value"]
-        lines.append(f"<{SCREW_PITCH} value={quoteattr(pitch.strip())}/>")
-    if kind in ("revolute", "prismatic"):
-        lines.append('<limit effort="0" velocity="0"/>')
-    return [f"<joint name={quoteattr(element.attributes['name'])} type={quoteattr(kind)}>", *lines, "</joint>"]
+        ET.SubElement(joint, SCREW_PITCH, value=pitch.strip())
+    if kind in ("revolute", "prismatic", "screw"):
+        ET.SubElement(joint, "limit", effort="0", velocity="0")
 
 
-def _tag(element: Element) -> str:
-    attributes = "".join(
-        f" {key}={quoteattr(value if key in _NAMES else ' '.join(value.split()))}"
-        for key, value in element.attributes.items()
-        if ":" not in key
-    )
-    return f"<{element.tag}{attributes}/>"
+def _copy(target: ET.Element, element: Element, parts: tuple[str, ...]) -> None:
+    for child in element.children:
+        if child.tag in parts:
+            attributes = {
+                key: value if key in _NAMES else " ".join(value.split())
+                for key, value in child.attributes.items()
+                if ":" not in key
+            }
+            ET.SubElement(target, child.tag, attributes)

@@ -57,7 +57,7 @@ class JointType(StrEnum):
         return self in (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.SCREW)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Remark:
     """Something odd about a file that does not stop a reader: line, element, and what it is."""
 
@@ -69,7 +69,7 @@ class Remark:
         return f"line {self.line}: {self.element}: {self.text}" if self.element else f"line {self.line}: {self.text}"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Origin:
     """A placement as URDF writes it: xyz in metres, and fixed-axis XYZ angles in radians or a quaternion xyzw."""
 
@@ -84,7 +84,7 @@ class Origin:
         return float((x * x + y * y + z * z) ** 0.5)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Limit:
     """Limits of a joint: position in m or rad, effort in N or Nm, velocity in m/s or rad/s; None where not stated."""
 
@@ -101,7 +101,7 @@ class Limit:
         return (lower, upper) if lower <= upper else (upper, lower)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Mimic:
     """A follower's law: position = multiplier x (position of `joint`) + offset."""
 
@@ -110,7 +110,7 @@ class Mimic:
     offset: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Inertial:
     """Mass in kg, placement of the centre of mass, and inertia there in kg m2 (ixx, ixy, ixz, iyy, iyz, izz)."""
 
@@ -119,7 +119,7 @@ class Inertial:
     inertia: tuple[float, float, float, float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Mesh:
     """The name of a mesh file as the robot file gives it."""
 
@@ -127,7 +127,7 @@ class Mesh:
     line: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Link:
     """A rigid body; its frame is what Jacobians and placements are asked of."""
 
@@ -137,7 +137,7 @@ class Link:
     meshes: tuple[Mesh, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Joint:
     """A joint between two links. `axis` is a unit vector in the joint frame; `pitch` in m per turn is for screws."""
 
@@ -205,7 +205,8 @@ class Robot:
         joint = self.joint_by_name.get(name)
         if joint is not None:
             raise UnknownNameError(
-                f"{quote(name)} is a joint, not a frame", remedy=f"its frame is that of its child link {quote(joint.child)}"
+                f"{quote(name)} is a joint, not a frame",
+                remedy=f"its frame is that of its child link {quote(joint.child)}",
             )
         raise unknown_name("frame", name, self.link_by_name, listing="'kinetostat frames' lists them")
 

@@ -94,7 +94,9 @@ def _decode(data: bytes, file: str, remarks: list[tuple[int, str]]) -> str:
             encoding = declared[1]
             # Only plain character sets: Python also calls "rot13" or "unicode_escape" encodings.
             if not _SINGLE_BYTE.match(encoding):
-                raise XmlError(f"the encoding {quote(encoding)} is not read", file=file, remedy="save the file as UTF-8")
+                raise XmlError(
+                    f"the encoding {quote(encoding)} is not read", file=file, remedy="save the file as UTF-8"
+                )
     if encoding != "utf-8":
         remarks.append((1, f"the file is encoded as {encoding}: it was decoded, but UTF-8 is what other tools expect"))
     try:
@@ -108,7 +110,9 @@ def _decode(data: bytes, file: str, remarks: list[tuple[int, str]]) -> str:
             remedy="save the file as UTF-8, or declare its encoding",
         ) from None
     except LookupError:
-        raise XmlError(f"the encoding {quote(encoding)} is unknown", file=file, remedy="save the file as UTF-8") from None
+        raise XmlError(
+            f"the encoding {quote(encoding)} is unknown", file=file, remedy="save the file as UTF-8"
+        ) from None
     if "\0" in text:  # expat would guess UTF-16 from it
         line = text.count("\n", 0, text.index("\0")) + 1
         raise XmlError("the text holds a NUL character", file=file, line=line, remedy="save the file as UTF-8 text")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import stat
 import sys
@@ -17,7 +16,7 @@ __all__ = ["MAX_BYTES", "Source", "example_robots", "open_source", "read_file", 
 MAX_BYTES = 64 * 1024 * 1024
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Source:
     """Where a robot came from: the name it was asked by, its path (None for standard input), its bytes."""
 
@@ -28,6 +27,8 @@ class Source:
     @property
     def sha256(self) -> str:
         """Digest of the bytes, in hexadecimal."""
+        import hashlib  # loads OpenSSL, which a query that shows no digest should not wait for
+
         return hashlib.sha256(self.data).hexdigest()
 
 
@@ -108,8 +109,13 @@ def textbook_robots() -> dict[str, Path]:
 
 
 def example_robots() -> dict[str, Path]:
-    """Return the robots of example-robot-data by `folder/stem`. The package is data only: there is nothing to import."""
-    for prefix in (*(Path(p) / "cmeel.prefix" for p in sys.path if p), Path(sys.prefix), Path("/usr"), Path("/opt/openrobots")):
+    """Return the robots of example-robot-data by `folder/stem`. The package is data: there is nothing to import."""
+    for prefix in (
+        *(Path(p) / "cmeel.prefix" for p in sys.path if p),
+        Path(sys.prefix),
+        Path("/usr"),
+        Path("/opt/openrobots"),
+    ):
         robots = prefix / "share" / "example-robot-data" / "robots"
         if robots.is_dir():
             return {f"{path.parents[1].name}/{path.stem}": path for path in sorted(robots.glob("*/*/*.urdf"))}

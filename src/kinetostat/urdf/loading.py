@@ -19,7 +19,7 @@ from kinetostat.urdf.xacro import expand, is_xacro
 __all__ = ["LoadedRobot", "load_robot"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LoadedRobot:
     """A robot as read: its description, the text for Pinocchio, where it came from, and its SRDF."""
 

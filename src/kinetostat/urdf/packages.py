@@ -10,14 +10,13 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import unquote
 
 __all__ = ["Packages"]
 
 _MANY = 64  # ancestors to walk up, at most
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Packages:
     """Finds packages for one robot file.
 
@@ -56,6 +55,8 @@ class Packages:
             return "standard input has no folder to look in"
         else:
             root, rest = self.home(), str(self.file.parent.resolve().relative_to(self.home()) / uri)
+        from urllib.parse import unquote
+
         path = root / unquote(rest)
         try:
             real, inside = path.resolve(), root.resolve()
@@ -65,7 +66,7 @@ class Packages:
             return "the path leads out of the package"
         return real if real.is_file() else "there is no such file"
 
-    def _home(self) -> Path:
+    def home(self) -> Path:
         """Return the package that the file is in (the nearest ancestor with package.xml), or its folder."""
         assert self.file is not None
         folder = self.file.parent.resolve()

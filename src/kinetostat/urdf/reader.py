@@ -79,7 +79,9 @@ class _Reader:
         self._mimics(joints)
         described = Robot(name, tuple(links), tuple(joints), top, tuple(sorted(self.remarks, key=lambda r: r.line)))
         if described.nv > MAX_DOF:
-            raise self._error(root, f"the robot has {described.nv} degrees of freedom; at most {MAX_DOF} are read", kind=LimitError)
+            raise self._error(
+                root, f"the robot has {described.nv} degrees of freedom; at most {MAX_DOF} are read", kind=LimitError
+            )
         return described
 
     # --- errors and remarks ------------------------------------------------------------------------------------
@@ -119,7 +121,9 @@ class _Reader:
         if not elements:
             raise self._error(root, "the robot has no link")
         if len(elements) > MAX_LINKS:
-            raise self._error(root, f"the robot has {len(elements)} links; at most {MAX_LINKS} are read", kind=LimitError)
+            raise self._error(
+                root, f"the robot has {len(elements)} links; at most {MAX_LINKS} are read", kind=LimitError
+            )
         seen: dict[str, int] = {}
         return [self._link(element, seen) for element in elements]
 
@@ -155,7 +159,9 @@ class _Reader:
         mass, inertia = self._single(element, "mass"), self._single(element, "inertia")
         missing = [] if mass is not None and "value" in mass.attributes else ["mass value"]
         missing += [key for key in _INERTIA if inertia is None or key not in inertia.attributes]
-        values = [self._number(inertia, key, largest=MAX_INERTIA) for key in _INERTIA if inertia and key in inertia.attributes]
+        values = [
+            self._number(inertia, key, largest=MAX_INERTIA) for key in _INERTIA if inertia and key in inertia.attributes
+        ]
         if mass is not None and "value" in mass.attributes:
             values.insert(0, self._number(mass, "value", largest=MAX_MASS))
         if missing:
@@ -198,7 +204,7 @@ class _Reader:
     def _joint_type(self, element: Element) -> JointType:
         text = element.attributes.get("type")
         if text is None:
-            raise self._error(element, "a joint without a type", "write type=\"revolute\" or another type")
+            raise self._error(element, "a joint without a type", 'write type="revolute" or another type')
         drake = element.tag == "drake:joint"
         known = ("screw", "planar") if drake else [t.value for t in JointType if t is not JointType.SCREW]
         if text in known:
@@ -230,7 +236,9 @@ class _Reader:
         if abs(norm - 1) > 1e-3:
             self._remark(element, f"the axis has length {norm:.6g}: its direction counts, not its length")
         if kind is JointType.PLANAR and (x, y) != (0.0, 0.0):
-            self._remark(element, "a planar joint whose normal is not z: Pinocchio alone, like many tools, ignores the axis")
+            self._remark(
+                element, "a planar joint whose normal is not z: Pinocchio alone, like many tools, ignores the axis"
+            )
         return (x / norm, y / norm, z / norm)
 
     def _limit(self, element: Element, kind: JointType) -> Limit:
@@ -256,15 +264,18 @@ class _Reader:
             if key not in values:
                 self._remark(element, f"the limit has no {key}: URDF's default 0 holds")
         lower, upper = values.get("lower", 0.0), values.get("upper", 0.0)
+        self._remark_range(element, kind, lower, upper)
+        return Limit(lower, upper, values.get("effort"), values.get("velocity"))
+
+    def _remark_range(self, element: Element, kind: JointType, lower: float, upper: float) -> None:
         if math.isinf(lower) or math.isinf(upper):
             self._remark(element, "an infinite limit: other parsers refuse the file")
         if lower > upper:
             self._remark(element, f"lower {lower:g} is above upper {upper:g}: they are read the other way round")
         elif lower == upper:
             self._remark(element, f"lower and upper are both {lower:g}: the joint cannot move")
-        elif kind is JointType.REVOLUTE and 4 * math.pi < upper - lower < math.inf:
+        elif kind is JointType.REVOLUTE and 4 * math.pi + 1e-3 < upper - lower < math.inf:
             self._remark(element, f"a range of {upper - lower:.4g} rad, more than two turns: are these degrees?")
-        return Limit(lower, upper, values.get("effort"), values.get("velocity"))
 
     def _mimic(self, element: Element, kind: JointType) -> Mimic | None:
         found = self._single(element, "mimic")
@@ -272,7 +283,9 @@ class _Reader:
             return None
         if "joint" not in found.attributes:
             raise self._error(element, "a mimic that names no joint", 'write <mimic joint="..."/>')
-        multiplier = self._number(found, "multiplier", largest=MAX_MULTIPLIER) if "multiplier" in found.attributes else 1.0
+        multiplier = (
+            self._number(found, "multiplier", largest=MAX_MULTIPLIER) if "multiplier" in found.attributes else 1.0
+        )
         offset = self._number(found, "offset", largest=MAX_LENGTH) if "offset" in found.attributes else 0.0
         if kind is JointType.FIXED:
             self._remark(element, "a mimic on a fixed joint has no effect")
@@ -304,7 +317,8 @@ class _Reader:
             if joint.child in above:
                 other = above[joint.child]
                 raise self._error(
-                    where, f"link {quote(joint.child)} already has a parent, by joint {quote(other.name)} at line {other.line}"
+                    where,
+                    f"link {quote(joint.child)} already has a parent: joint {quote(other.name)}, line {other.line}",
                 )
             above[joint.child] = joint
             below.setdefault(joint.parent, []).append(joint.child)
@@ -313,7 +327,9 @@ class _Reader:
             raise self._error(root, "every link has a parent: the joints form a cycle", "one link must be the root")
         if len(roots) > 1:
             named = ", ".join(quote(link.name) for link in roots[:4]) + (", ..." if len(roots) > 4 else "")
-            raise self._error(root, f"{len(roots)} links have no parent: {named}", "join them, so that one root remains")
+            raise self._error(
+                root, f"{len(roots)} links have no parent: {named}", "join them, so that one root remains"
+            )
         depth = {roots[0].name: 1}
         stack = [roots[0].name]
         while stack:
@@ -335,11 +351,12 @@ class _Reader:
         names = {joint.name for joint in joints}
         kept = []
         for joint in joints:
-            if joint.mimic is not None and joint.mimic.joint not in names:
+            lost = joint.mimic is not None and joint.mimic.joint not in names
+            if lost and joint.mimic is not None:
                 where = Element("joint", {"name": joint.name}, joint.line)
-                self._remark(where, f"it mimics {quote(joint.mimic.joint)}, which does not exist: it counts as independent")
-                joint = replace(joint, mimic=None)
-            kept.append(joint)
+                missing = quote(joint.mimic.joint)
+                self._remark(where, f"it mimics {missing}, which does not exist: it counts as independent")
+            kept.append(replace(joint, mimic=None) if lost else joint)
         return kept
 
     def _mimics(self, joints: list[Joint]) -> None:
@@ -354,9 +371,13 @@ class _Reader:
                 leader = by_name[joint.mimic.joint]
                 trail[joint.name] = None
                 if leader.name in trail:
-                    raise self._error(where, f"its mimics lead back to joint {quote(leader.name)}: a circle has no leader")
+                    raise self._error(
+                        where, f"its mimics lead back to joint {quote(leader.name)}: a circle has no leader"
+                    )
                 if leader.type.nq != 1:
-                    raise self._error(where, f"it mimics the {leader.type} joint {quote(leader.name)}, which has no single position")
+                    raise self._error(
+                        where, f"it mimics the {leader.type} joint {quote(leader.name)}, which has no single position"
+                    )
                 joint = leader
             settled.update(trail)
 
@@ -411,11 +432,15 @@ class _Reader:
     def _number(self, element: Element, key: str, *, infinite: bool = False, largest: float = math.inf) -> float:
         return self._parse(element, key, element.attributes[key].strip(" \t\r\n"), infinite=infinite, largest=largest)
 
-    def _parse(self, element: Element, key: str, word: str, *, infinite: bool = False, largest: float = math.inf) -> float:
+    def _parse(
+        self, element: Element, key: str, word: str, *, infinite: bool = False, largest: float = math.inf
+    ) -> float:
         if infinite and _INFINITY.fullmatch(word):
             return float(word)
         if not _NUMBER.fullmatch(word):
-            remedy = "write a decimal point, and spaces between numbers" if "," in word else "write a plain decimal number"
+            remedy = (
+                "write a decimal point, and spaces between numbers" if "," in word else "write a plain decimal number"
+            )
             if "$" in word:
                 remedy = "this is xacro that is not expanded"
             raise self._error(element, f"{key}: {quote(word)} is not a finite number", remedy, NumberError)

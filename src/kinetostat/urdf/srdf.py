@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from kinetostat.urdf.files import read_file
 __all__ = ["GroupState", "Semantics", "find_srdf", "load_srdf", "read_srdf"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class GroupState:
     """A named configuration of a group: joint positions in rad, m, or the several numbers of a floating joint."""
 
@@ -22,7 +23,7 @@ class GroupState:
     positions: dict[str, tuple[float, ...]]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Semantics:
     """What an SRDF says: groups (the joints of each) and states."""
 
@@ -107,8 +108,10 @@ def _values(joint: Element, file: str) -> tuple[float, ...]:
         values = tuple(float(word) for word in text.split())
     except ValueError:
         values = ()
-    if not values or any(abs(v) == float("inf") or v != v for v in values):
-        raise NumberError(f"value {quote(text)} is not a finite number", file=file, line=joint.line, element=joint.label())
+    if not values or not all(math.isfinite(v) for v in values):
+        raise NumberError(
+            f"value {quote(text)} is not a finite number", file=file, line=joint.line, element=joint.label()
+        )
     return values
 
 

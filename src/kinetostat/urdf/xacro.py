@@ -7,8 +7,8 @@ which allows no builtins; still, expand only xacro that you would run.
 
 from __future__ import annotations
 
-import builtins
 import contextlib
+import errno
 import io
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -64,7 +64,9 @@ def _gate(xacro: Any, path: Path, packages: Packages, max_bytes: int) -> Iterato
         folder = packages.find(name)
         if folder is None:
             raise SourceError(
-                f"xacro asks for package {printable(name)!r}, which is not found", file=str(path), remedy="use --package-dir"
+                f"xacro asks for package {printable(name)!r}, which is not found",
+                file=str(path),
+                remedy="use --package-dir",
             )
         allowed.append(folder.resolve())
         return str(folder)
@@ -72,9 +74,11 @@ def _gate(xacro: Any, path: Path, packages: Packages, max_bytes: int) -> Iterato
     def open_gated(name: str, *_: object) -> io.StringIO | io.BytesIO:
         wanted = Path(name)
         if not any(wanted.resolve().is_relative_to(folder) for folder in allowed):
-            raise SourceError(f"xacro asks for {printable(name)}, outside its package", file=str(path), remedy="use --package-dir")
+            raise SourceError(
+                f"xacro asks for {printable(name)}, outside its package", file=str(path), remedy="use --package-dir"
+            )
         if not wanted.is_file():  # xacro itself answers for optional includes
-            return builtins.open(name)  # type: ignore[return-value]
+            raise FileNotFoundError(errno.ENOENT, "no such file", name)
         data = read_file(wanted, str(wanted), max_bytes)
         if wanted.suffix.lower() in (".yaml", ".yml"):
             return io.StringIO(data.decode("utf-8", "replace"))

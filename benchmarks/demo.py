@@ -1,0 +1,21 @@
+"""`make demo`: the questions that a newcomer asks of a real robot, with the commands that answer them."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+KINETOSTAT = str(Path(sys.executable).with_name("kinetostat"))
+QUESTIONS = (
+    ("Where is the hand?", "fk example:panda -f panda_hand -q default"),
+    ("How does it move when the joints do?", "jacobian example:panda -f panda_hand -q default"),
+    ("The same as a body Jacobian:", "jacobian example:panda -f panda_hand -q default --reference local"),
+    (
+        "It pushes with 5 N along its own z. What is that at the base?",
+        "adjoint example:panda -f panda_hand -q default --wrench --apply 0,0,5,0,0,0",
+    ),
+)
+
+for question, arguments in QUESTIONS:
+    print(f"# {question}\n$ kinetostat {arguments}\n", flush=True)
+    subprocess.run([KINETOSTAT, *arguments.split()], check=True)
+    print(flush=True)

@@ -1,0 +1,125 @@
+"""`kinetostat jacobian`: the Jacobian of a frame."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from kinetostat_cli import completion
+from kinetostat_cli.console import Answer, configuration, load, triple, write_answer
+from kinetostat_cli.options import (
+    ConfigurationOptions,
+    FrameOption,
+    Order,
+    OrderOption,
+    OutputOptions,
+    RelativeToOption,
+    RobotOptions,
+    grouped,
+)
+
+__all__ = ["register"]
+
+
+class Reference(StrEnum):
+    """The same words as kinetostat.Reference, which would import NumPy for --help."""
+
+    ALIGNED = "aligned"
+    LOCAL = "local"
+    WORLD = "world"
+
+
+@grouped
+def jacobian(
+    robot: RobotOptions,
+    at: ConfigurationOptions,
+    output: OutputOptions,
+    frame: FrameOption = None,
+    reference: Annotated[
+        Reference,
+        typer.Option(
+            help="aligned: the frame's origin, observer's axes. local: its origin, its own axes. "
+            "world: the point at the observer's origin, observer's axes."
+        ),
+    ] = Reference.ALIGNED,
+    relative_to: RelativeToOption = None,
+    expressed_in: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FRAME", help="Turn the rows to the axes of this frame.", autocompletion=completion.frames
+        ),
+    ] = None,
+    point: Annotated[
+        str | None, typer.Option(metavar="X,Y,Z", help="Take this point of the frame, in m, not its origin.")
+    ] = None,
+    joints: Annotated[
+        str,
+        typer.Option(
+            metavar="path|all|J1,J2",
+            help="Columns: joints between the two frames, all, or these.",
+            autocompletion=completion.joints,
+        ),
+    ] = "path",
+    order: OrderOption = Order.LINEAR_FIRST,
+    rates: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SEQUENCE", help="Analytic Jacobian: rates of rpy, zyz, zyx, ... (intrinsic) or fixed-xyz, ..."
+        ),
+    ] = None,
+    qdot: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RATES", help="Also give the time derivative along these joint rates: j1=0.1,... or a list."
+        ),
+    ] = None,
+) -> None:
+    """Show the Jacobian of a frame.
+
+    Its columns are the velocities of the frame (m/s, rad/s) for unit rates of the joints (rad/s, m/s).
+
+    Example: kinetostat jacobian example:panda -f panda_hand -q mid
+    """
+    import kinetostat
+    from kinetostat.report.json import jacobian_result
+    from kinetostat.report.view import jacobian_view
+
+    model = load(robot, output)
+    q = configuration(model, at)
+    chosen: str | list[str] = joints
+    if joints not in ("path", "all") and joints not in model.robot.joint_by_name:
+        chosen = [name.strip() for name in joints.split(",")]
+    elif joints not in ("path", "all"):
+        chosen = [joints]
+    result = kinetostat.jacobian(
+        model,
+        frame or model.robot.default_tip(),
+        q.q,
+        reference=kinetostat.Reference(reference),
+        relative_to=relative_to,
+        expressed_in=expressed_in,
+        point=triple(point, "--point"),
+        joints=chosen,
+        rates=rates,
+        qdot=None if qdot is None else kinetostat.joint_rates(model.robot, qdot, degrees=at.deg),
+    )
+    rows = kinetostat.Order(order)
+    write_answer(
+        Answer(
+            "jacobian",
+            lambda: jacobian_view(result, q, order=rows, degrees=at.deg),
+            lambda: jacobian_result(result, rows),
+            model,
+            q,
+            result.certificate,
+            result.warnings,
+        ),
+        output,
+    )
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(jacobian)

@@ -1,0 +1,176 @@
+"""What commands have in common: load the robot, find the configuration, write the result, say the rest on stderr."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from kinetostat_cli.options import Base, ConfigurationOptions, Format, OutputOptions, RobotOptions
+
+if TYPE_CHECKING:
+    from kinetostat import Certificate, Configuration, Model
+    from kinetostat.report.view import View
+
+__all__ = ["Answer", "load", "say", "triple", "warn", "write_answer"]
+
+DISAGREE = 4
+
+
+def say(kind: str, message: str) -> None:
+    """Write one line to standard error: `kinetostat: warning: ...`; the kind is coloured on a terminal."""
+    from kinetostat.errors import printable
+
+    colour = {"error": typer.colors.RED, "warning": typer.colors.YELLOW}.get(kind)
+    plain = not sys.stderr.isatty() or "NO_COLOR" in os.environ
+    shown = kind if plain or colour is None else typer.style(kind, fg=colour, bold=True)
+    print(f"kinetostat: {shown}: {printable(message)}", file=sys.stderr)
+
+
+def warn(messages: Iterable[str]) -> None:
+    """Write warnings to standard error."""
+    for message in messages:
+        say("warning", message)
+
+
+def load(robot: RobotOptions, output: OutputOptions) -> Model:
+    """Read the robot as the options say."""
+    import kinetostat
+
+    arguments = {}
+    for argument in robot.xacro_arg or []:
+        name, separator, value = argument.partition(":=")
+        if not separator or not name:
+            raise kinetostat.UsageError(f"--xacro-arg {argument!r} is not of the form NAME:=VALUE")
+        arguments[name] = value
+    model = kinetostat.load(
+        robot.source,
+        floating_base=robot.base is Base.FLOATING,
+        crosscheck=output.crosscheck,
+        srdf=robot.srdf,
+        package_dirs=robot.package_dir or [],
+        xacro_arguments=arguments,
+        max_bytes=robot.max_bytes,
+    )
+    if output.verbose:
+        source = model.loaded.source
+        say("read", f"{source.path or 'standard input'}, sha256 {source.sha256}")
+        if model.semantics.file:
+            say("read", model.semantics.file)
+        for remark in model.robot.remarks:
+            say("remark", str(remark))
+    return model
+
+
+def configuration(model: Model, at: ConfigurationOptions) -> Configuration:
+    """Return the configuration that the options ask for; warn of joints outside their limits."""
+    import kinetostat
+    from kinetostat_cli.values import read_values
+
+    wanted: Any = at.config
+    degrees = at.deg
+    if at.config.startswith("@"):
+        wanted, in_radians = read_values(at.config[1:])
+        degrees = degrees and not in_radians
+    found = kinetostat.configuration(
+        model.robot, wanted, semantics=model.semantics, degrees=degrees, quaternion_first=at.quat.value[0]
+    )
+    warn(found.warnings)
+    return found
+
+
+def triple(text: str | None, option: str) -> tuple[float, float, float] | None:
+    """Return the three numbers of an option such as --point x,y,z."""
+    from kinetostat_cli.values import numbers
+
+    if text is None:
+        return None
+    x, y, z = numbers(text, option, 3)
+    return x, y, z
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a command has found: how to view it and how to put it into JSON (both made only when asked)."""
+
+    command: str
+    view: Callable[[], View]
+    result: Callable[[], Any]
+    model: Model | None = None
+    at: Configuration | None = None
+    certificate: Certificate | None = None
+    warnings: tuple[str, ...] = ()
+
+
+def write_answer(answer: Answer, output: OutputOptions) -> None:
+    """Render an answer once, write it once, and exit with 4 if the engines disagree."""
+    warn(answer.warnings)
+    text = _rendered(answer, output.format)
+    if output.output is None:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    else:
+        _write_whole(output.output, text)
+    certificate = answer.certificate
+    if certificate is not None and certificate.agree is False:
+        apart = f"{certificate.max_difference:.3g}, more than {certificate.tolerance:.3g}"
+        say("error", f"the engines disagree by {apart}: trust neither number")
+        raise typer.Exit(DISAGREE)
+
+
+def _rendered(answer: Answer, form: Format) -> str:
+    if form is Format.JSON:
+        from kinetostat.report import json as report
+
+        warnings = (*(answer.at.warnings if answer.at else ()), *answer.warnings)
+        payload = report.envelope(
+            answer.command,
+            answer.result(),
+            model=answer.model,
+            at=answer.at,
+            certificate=answer.certificate,
+            warnings=warnings,
+        )
+        return report.render(payload)
+    from kinetostat.report import csv, text
+    from kinetostat.report.view import certificate_note, disagreement_tables
+
+    view = answer.view()
+    if form is Format.CSV:
+        return csv.render(view.tables[0])
+    if answer.certificate is not None:
+        tables = (*view.tables, *disagreement_tables(answer.certificate))
+        view = replace(view, tables=tables, notes=(*view.notes, certificate_note(answer.certificate)))
+    return text.render(view)
+
+
+def _write_whole(path: Path, text: str) -> None:
+    """Write a file completely or not at all."""
+    import tempfile
+
+    from kinetostat.errors import UsageError, quote
+
+    try:
+        if path.exists() and not path.is_file():  # a terminal, a pipe: nothing to replace
+            path.write_text(text, encoding="utf-8")
+            return
+        handle, draft = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}.")
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                file.write(text)
+            umask = os.umask(0)
+            os.umask(umask)
+            Path(draft).chmod(0o666 & ~umask)
+            Path(draft).replace(path)
+        except BaseException:
+            Path(draft).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise UsageError(
+            f"cannot write {quote(str(path))}: {error.strerror or error}", remedy="check --output"
+        ) from None

@@ -1,0 +1,193 @@
+"""The options that commands share, each declared once, and the decorator that puts them into a command's signature.
+
+A command takes a group of options as one parameter (`robot: RobotOptions`); `grouped` spreads its fields for Typer and
+collects them again. Adding an option to a group adds it to every command that takes the group.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, fields
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+import typer
+
+from kinetostat_cli import completion
+
+__all__ = [
+    "Base",
+    "ConfigurationOptions",
+    "Format",
+    "FrameOption",
+    "OrderOption",
+    "OutputOptions",
+    "Quaternion",
+    "RelativeToOption",
+    "RobotOptions",
+    "grouped",
+]
+
+
+class Format(StrEnum):
+    """How results are written."""
+
+    TABLE = "table"
+    JSON = "json"
+    CSV = "csv"
+
+
+class Base(StrEnum):
+    """How the root link is held."""
+
+    FIXED = "fixed"
+    FLOATING = "floating"
+
+
+class Quaternion(StrEnum):
+    """The order in which quaternions are read."""
+
+    XYZW = "xyzw"
+    WXYZ = "wxyz"
+
+
+class Order(StrEnum):
+    """Which half of a six-vector comes first: the words of kinetostat.Order, which would import NumPy for --help."""
+
+    LINEAR_FIRST = "linear-first"
+    ANGULAR_FIRST = "angular-first"
+
+
+FrameOption = Annotated[
+    str | None,
+    typer.Option(
+        "--frame",
+        "-f",
+        metavar="FRAME",
+        help="The frame: a link. Default: the only tip.",
+        autocompletion=completion.frames,
+    ),
+]
+RelativeToOption = Annotated[
+    str | None,
+    typer.Option(
+        "--relative-to",
+        metavar="FRAME",
+        help="The observer's frame. Default: the root link.",
+        autocompletion=completion.frames,
+    ),
+]
+OrderOption = Annotated[Order, typer.Option("--order", help="Order of the rows of twists and wrenches.")]
+
+
+@dataclass(frozen=True)
+class RobotOptions:
+    """Which robot, and how it is read."""
+
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="ROBOT",
+            help="A .urdf or .xacro file, '-', textbook:NAME or example:NAME ('kinetostat robots' lists them).",
+            autocompletion=completion.robots,
+        ),
+    ]
+    base: Annotated[
+        Base, typer.Option(help="Hold the root link, or let it float: joint root_joint, link universe.")
+    ] = Base.FIXED
+    srdf: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="SRDF with groups and states. Default: the one beside the robot."),
+    ] = None
+    package_dir: Annotated[
+        list[Path] | None, typer.Option(metavar="DIR", help="Look for packages here first. May be repeated.")
+    ] = None
+    xacro_arg: Annotated[
+        list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of a xacro file. May be repeated.")
+    ] = None
+    max_bytes: Annotated[int, typer.Option(min=1, metavar="N", help="Refuse larger files.")] = 64 * 1024 * 1024
+
+
+@dataclass(frozen=True)
+class ConfigurationOptions:
+    """At which configuration."""
+
+    config: Annotated[
+        str,
+        typer.Option(
+            "--config",
+            "-q",
+            metavar="Q",
+            help="zero, mid, random:SEED, an SRDF state, j1=0.3,j2=-1.2, a list in file order, @FILE.json, @FILE.csv.",
+            autocompletion=completion.configurations,
+        ),
+    ] = "zero"
+    deg: Annotated[
+        bool, typer.Option("--deg", help="Read and show joint angles in degrees; JSON stays in radians.")
+    ] = False
+    quat: Annotated[Quaternion, typer.Option(help="Order in which quaternions of floating joints are read.")] = (
+        Quaternion.XYZW
+    )
+
+
+@dataclass(frozen=True)
+class OutputOptions:
+    """Where the result goes, and how."""
+
+    format: Annotated[Format, typer.Option("--format", "-F", help="How to write the result.")] = Format.TABLE
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write the result to a file.")
+    ] = None
+    crosscheck: Annotated[
+        bool, typer.Option("--crosscheck/--no-crosscheck", help="Compute every number by both engines.")
+    ] = True
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="Also say what is odd about the file, and where it was found.")
+    ] = False
+    debug: Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")] = False
+
+
+_GROUPS = (ConfigurationOptions, RobotOptions, OutputOptions)
+
+
+def _parameters(group: type[Any]) -> list[inspect.Parameter]:
+    """Return an option group's fields as parameters."""
+    types = get_type_hints(group, include_extras=True)
+    return [
+        inspect.Parameter(
+            part.name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=inspect.Parameter.empty if part.default is MISSING else part.default,
+            annotation=types[part.name],
+        )
+        for part in fields(group)
+    ]
+
+
+def grouped(command: Callable[..., None]) -> Callable[..., None]:
+    """Spread the option groups in a command's signature, so that Typer sees each option."""
+    hints = get_type_hints(command, include_extras=True)
+    own = [
+        parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY, annotation=hints[name])
+        for name, parameter in inspect.signature(command).parameters.items()
+        if hints[name] not in _GROUPS
+    ]
+    shared = [parameter for group in _GROUPS if group in hints.values() for parameter in _parameters(group)]
+    spread = own + shared  # help shows what is special about a command first
+
+    @functools.wraps(command)
+    def collect(**given: Any) -> None:
+        arguments = {}
+        for name, kind in hints.items():
+            if kind in _GROUPS:
+                arguments[name] = kind(**{part.name: given.pop(part.name) for part in fields(kind)})
+            elif name != "return":
+                arguments[name] = given.pop(name)
+        command(**arguments)
+
+    collect.__signature__ = inspect.Signature(spread)  # type: ignore[attr-defined]
+    collect.__annotations__ = {parameter.name: parameter.annotation for parameter in spread}
+    return collect

@@ -1,0 +1,97 @@
+"""Numbers that users give in options and files."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from kinetostat.errors import ConfigurationError, SourceError, UsageError, quote
+
+__all__ = ["numbers", "read_values"]
+
+
+def numbers(text: str, option: str, count: int) -> list[float]:
+    """Return the finite numbers of an option, separated by commas or blanks.
+
+    Raises:
+        UsageError: not so many finite numbers.
+    """
+    words = text.replace(",", " ").split()
+    try:
+        values = [float(word) for word in words]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(abs(value) < float("inf") for value in values):
+        raise UsageError(
+            f"{option} takes {count} finite numbers, not {quote(text)}", remedy="for instance " + ",".join("0" * count)
+        )
+    return values
+
+
+def read_values(name: str) -> tuple[Mapping[str, Any] | list[float], bool]:
+    """Return joint values from a .json or .csv file, and whether the file is a result of ours, which is in radians.
+
+    JSON: {joint: value}, a list in file order, or the JSON output of any command. CSV: a header of joint names and a
+    row of values, or a row of values in file order.
+
+    Raises:
+        ConfigurationError: the file holds no configuration.
+        SourceError: it cannot be read.
+    """
+    from kinetostat.urdf.files import read_file
+
+    try:
+        text = read_file(Path(name), name).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise SourceError("this is not UTF-8 text", file=name) from None
+    return _from_csv(text, name) if name.lower().endswith(".csv") else _from_json(text, name)
+
+
+def _from_json(text: str, name: str) -> tuple[Mapping[str, Any] | list[float], bool]:
+    try:
+        content = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ConfigurationError(f"{name}: not JSON: {error}") from None
+    ours = isinstance(content, dict) and str(content.get("schema", "")).startswith("kinetostat/")
+    if ours:
+        content = content.get("configuration")
+    if isinstance(content, dict) and all(_is_value(value) for value in content.values()):
+        return content, ours
+    if isinstance(content, list) and all(_is_value(value) and not isinstance(value, list) for value in content):
+        return content, ours
+    raise ConfigurationError(f"{name}: no configuration in it", remedy='write {"joint": value, ...} or [value, ...]')
+
+
+def _is_value(value: object) -> bool:
+    if isinstance(value, list):
+        return all(_is_value(part) and not isinstance(part, list) for part in value)
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _from_csv(text: str, name: str) -> tuple[Mapping[str, Any] | list[float], bool]:
+    rows = [
+        [cell.strip() for cell in row] for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)
+    ]
+    values = _floats(rows[-1]) if rows else None
+    if values is None or len(rows) > 2:
+        raise ConfigurationError(
+            f"{name}: {len(rows)} rows of text", remedy="write a row of joint names and a row of values"
+        )
+    if len(rows) == 1:
+        return values, False
+    header = rows[0]
+    if len(header) != len(values) or _floats(header) is not None:
+        raise ConfigurationError(
+            f"{name}: the first row does not name a joint for each value", remedy="one configuration is expected"
+        )
+    return dict(zip(header, values, strict=True)), False
+
+
+def _floats(cells: list[str]) -> list[float] | None:
+    try:
+        return [float(cell) for cell in cells]
+    except ValueError:
+        return None

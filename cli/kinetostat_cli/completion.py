@@ -60,9 +60,11 @@ def _loaded(ctx: typer.Context) -> Iterator[LoadedRobot]:
     from kinetostat.errors import KinetostatError
     from kinetostat.urdf.loading import load_robot
 
-    source = ctx.params.get("source")
-    if source and source != "-":
-        try:
-            yield load_robot(source)
-        except KinetostatError:
+    # While an option still waits for its value, Typer has not told arguments from options yet: they are in ctx.args.
+    for word in [ctx.params.get("source"), *ctx.args]:
+        if word and not word.startswith("-"):
+            try:
+                yield load_robot(word)
+            except KinetostatError:
+                continue
             return

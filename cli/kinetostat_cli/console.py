@@ -112,8 +112,7 @@ def write_answer(answer: Answer, output: OutputOptions) -> None:
     warn(answer.warnings)
     text = _rendered(answer, output.format)
     if output.output is None:
-        sys.stdout.write(text)
-        sys.stdout.flush()
+        _write_out(text)
     else:
         _write_whole(output.output, text)
     certificate = answer.certificate
@@ -142,11 +141,20 @@ def _rendered(answer: Answer, form: Format) -> str:
 
     view = answer.view()
     if form is Format.CSV:
-        return csv.render(view.tables[0])
+        return csv.render(view.csv)
     if answer.certificate is not None:
         tables = (*view.tables, *disagreement_tables(answer.certificate))
         view = replace(view, tables=tables, notes=(*view.notes, certificate_note(answer.certificate)))
     return text.render(view)
+
+
+def _write_out(text: str) -> None:
+    """Write to standard output. A reader that has gone (head, less) is no error: it has what it wanted."""
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the flush when Python ends
 
 
 def _write_whole(path: Path, text: str) -> None:

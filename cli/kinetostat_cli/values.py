@@ -38,15 +38,16 @@ def read_values(name: str) -> tuple[Mapping[str, Any] | list[float], bool]:
     row of values, or a row of values in file order.
 
     Raises:
-        ConfigurationError: the file holds no configuration.
-        SourceError: it cannot be read.
+        ConfigurationError: the file cannot be read, or holds no configuration.
     """
     from kinetostat.urdf.files import read_file
 
     try:
         text = read_file(Path(name), name).decode("utf-8-sig")
+    except SourceError as error:
+        raise ConfigurationError(error.message, file=name, remedy=error.remedy) from None
     except UnicodeDecodeError:
-        raise SourceError("this is not UTF-8 text", file=name) from None
+        raise ConfigurationError("this is not UTF-8 text", file=name) from None
     return _from_csv(text, name) if name.lower().endswith(".csv") else _from_json(text, name)
 
 
@@ -54,7 +55,7 @@ def _from_json(text: str, name: str) -> tuple[Mapping[str, Any] | list[float], b
     try:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ConfigurationError(f"{name}: not JSON: {error}") from None
+        raise ConfigurationError(f"not JSON: {error}", file=name) from None
     ours = isinstance(content, dict) and str(content.get("schema", "")).startswith("kinetostat/")
     if ours:
         content = content.get("configuration")
@@ -62,7 +63,7 @@ def _from_json(text: str, name: str) -> tuple[Mapping[str, Any] | list[float], b
         return content, ours
     if isinstance(content, list) and all(_is_value(value) and not isinstance(value, list) for value in content):
         return content, ours
-    raise ConfigurationError(f"{name}: no configuration in it", remedy='write {"joint": value, ...} or [value, ...]')
+    raise ConfigurationError("no configuration in it", file=name, remedy='write {"joint": value, ...} or [value, ...]')
 
 
 def _is_value(value: object) -> bool:
@@ -78,14 +79,14 @@ def _from_csv(text: str, name: str) -> tuple[Mapping[str, Any] | list[float], bo
     values = _floats(rows[-1]) if rows else None
     if values is None or len(rows) > 2:
         raise ConfigurationError(
-            f"{name}: {len(rows)} rows of text", remedy="write a row of joint names and a row of values"
+            f"{len(rows)} rows of text", file=name, remedy="write a row of joint names and a row of values"
         )
     if len(rows) == 1:
         return values, False
     header = rows[0]
     if len(header) != len(values) or _floats(header) is not None:
         raise ConfigurationError(
-            f"{name}: the first row does not name a joint for each value", remedy="one configuration is expected"
+            "the first row does not name a joint for each value", file=name, remedy="one configuration is expected"
         )
     return dict(zip(header, values, strict=True)), False
 

@@ -49,7 +49,7 @@ def adjoint(
 
     The 6x6 matrix takes the twist (or wrench) of a body, given in one frame, to another frame at a configuration.
 
-    Example: kinetostat adjoint example:ur5_robot --wrench --apply 0,0,5,0,0,0
+    Example: kinetostat adjoint textbook:puma560 --wrench --apply 0,0,5,0,0,0
     """
     import numpy as np
 
@@ -59,10 +59,10 @@ def adjoint(
     from kinetostat_cli.values import numbers
 
     model = load(robot, output)
-    q = configuration(model, at)
     kind = kinetostat.WrenchOrTwist.WRENCH if wrench else kinetostat.WrenchOrTwist.TWIST
     rows = kinetostat.Order(order)
-    a, b = start or model.robot.default_tip(), end or model.robot.root
+    a, b = (model.robot.frame(name) for name in (start or model.robot.default_tip(), end or model.robot.root))
+    q = configuration(model, at)
     result = kinetostat.adjoint(model, a, b, q.q, kind=kind, inverse=inverse)
     given = None if apply is None else np.array(numbers(apply, "--apply", 6))[rows.rows]
     applied = None if given is None else result.apply(given)

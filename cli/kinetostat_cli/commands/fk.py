@@ -36,8 +36,9 @@ def fk(
     from kinetostat.report.view import fk_view
 
     model = load(robot, output)
+    tip = model.robot.frame(frame or model.robot.default_tip())
     q = configuration(model, at)
-    result = kinetostat.fk(model, frame or model.robot.default_tip(), q.q, relative_to=relative_to)
+    result = kinetostat.fk(model, tip, q.q, relative_to=relative_to)
     write_answer(
         Answer("fk", lambda: fk_view(result, degrees=at.deg), lambda: fk_result(result), model, q, result.certificate),
         output,

@@ -87,6 +87,7 @@ def jacobian(
     from kinetostat.report.view import jacobian_view
 
     model = load(robot, output)
+    tip = model.robot.frame(frame or model.robot.default_tip())
     q = configuration(model, at)
     chosen: str | list[str] = joints
     if joints not in ("path", "all") and joints not in model.robot.joint_by_name:
@@ -95,7 +96,7 @@ def jacobian(
         chosen = [joints]
     result = kinetostat.jacobian(
         model,
-        frame or model.robot.default_tip(),
+        tip,
         q.q,
         reference=kinetostat.Reference(reference),
         relative_to=relative_to,

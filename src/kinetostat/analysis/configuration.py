@@ -80,7 +80,12 @@ def configuration(
 def joint_rates(
     robot: Robot, wanted: str | Mapping[str, Value] | Sequence[float] | Array, *, degrees: bool = False
 ) -> Array:
-    """Return joint rates (nv,) in m/s and rad/s, from `j1=0.3,j2=-1.2` (others zero), an ordered list, or a mapping.
+    """Return joint rates (nv,) in m/s and rad/s.
+
+    Args:
+        robot: whose.
+        wanted: `j1=0.3,j2=-1.2` (others zero), an ordered list in file order, or the mapping or sequence they mean.
+        degrees: rates given for angles of joints are in degrees per second.
 
     Raises:
         ConfigurationError: wrong length, not finite, a rate for a fixed or a follower joint.
@@ -117,6 +122,11 @@ def random_configurations(robot: Robot, seed: int, shape: tuple[int, ...] = ()) 
 
     Angles without limits are drawn from a whole turn, lengths without limits within 1 m of zero or of their one limit,
     rotations of floating joints uniformly (K. Shoemake, "Uniform random rotations", 1992).
+
+    Args:
+        robot: whose.
+        seed: the same seed gives the same configurations.
+        shape: the leading shape of the batch.
     """
     generator = np.random.default_rng(seed)
     q = np.empty((*shape, robot.nq))
@@ -156,7 +166,7 @@ def _range_with_followers(robot: Robot, joint: Joint) -> tuple[float, float]:
 
 
 def _bounded(joint: Joint, lower: float, upper: float) -> tuple[float, float]:
-    """Return ends to draw between: half a turn, or 1 m, stands for a limit that is missing (or no limit at all: 1e308)."""
+    """Return ends to draw between; a missing limit (or 1e308, which means the same) is half a turn or 1 m away."""
     half = math.pi if joint.type.is_angle else 1.0
     below, above = lower > -_NO_LIMIT, upper < _NO_LIMIT
     if below and above:

@@ -53,6 +53,9 @@ class Summary:
 def summary(model: Model) -> Summary:
     """Return what is in a robot file. Masses are summed by both engines.
 
+    Args:
+        model: the robot.
+
     Raises:
         EngineError: Pinocchio refuses the robot.
     """

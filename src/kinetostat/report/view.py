@@ -55,12 +55,18 @@ class Table:
 
 @dataclass(frozen=True)
 class View:
-    """What is shown of a result: a title, a drawing, tables (CSV gives the first), and lines below them."""
+    """What is shown of a result: a title, a drawing, tables, and lines below them; and the table that CSV gives."""
 
     title: str
     tables: tuple[Table, ...] = ()
     notes: tuple[str, ...] = ()
     drawing: tuple[str, ...] = ()
+    flat: Table | None = None  # the table for CSV, where it is not the first
+
+    @property
+    def csv(self) -> Table:
+        """The table that CSV gives."""
+        return self.flat or self.tables[0]
 
 
 def certificate_note(certificate: Certificate) -> str:
@@ -99,15 +105,16 @@ def jacobian_view(result: Jacobian, at: Configuration, *, order: Order, degrees:
     kind = "Jacobian" if result.rates is None else f"analytic Jacobian ({result.rates.reading})"
     header = ("", "unit", *result.columns)
     units = ("", "", *result.column_units)
-    tables = [Table(header, _matrix_rows(result, result.matrix, order), units)]
+    flat = Table(header, _matrix_rows(result, result.matrix, order), units)
+    tables = [flat]
     positions = _positions(at, result.columns, degrees)
     if positions is not None:
-        tables[0] = replace(tables[0], rows=(("q", "deg" if degrees else "", *positions), *tables[0].rows))
+        tables = [replace(flat, rows=(("q", "deg" if degrees else "", *positions), *flat.rows))]
     if result.time_derivative is not None:
         rows = _matrix_rows(result, result.time_derivative, order, per_second=True)
         tables.append(Table(header, rows, units, title="its time derivative along the given joint rates"))
     notes = () if result.columns else ("no joint moves this frame relative to the observer",)
-    return View(f"{kind} {velocity_label(result.velocity)}", tuple(tables), notes)
+    return View(f"{kind} {velocity_label(result.velocity)}", tuple(tables), notes, flat=flat)
 
 
 def _matrix_rows(
@@ -145,9 +152,14 @@ def fk_view(result: Placement, *, degrees: bool) -> View:
         tuple((f"row {i + 1}", *map(float, result.matrix[i])) for i in range(4)),
         title="matrix T",
     )
-    return View(
-        f"{_name(result.frame)} relative to {_name(result.relative_to)}", (position, turned, quaternion, matrix)
+    unit = "deg" if degrees else "rad"
+    flat = Table(
+        ("frame", "relative_to", "x", "y", "z", "qx", "qy", "qz", "qw", "roll", "pitch", "yaw"),
+        ((result.frame, result.relative_to, x, y, z, *map(float, result.quaternion_xyzw), *map(float, angles)),),
+        ("", "", "m", "m", "m", "", "", "", "", unit, unit, unit),
     )
+    title = f"{_name(result.frame)} relative to {_name(result.relative_to)}"
+    return View(title, (position, turned, quaternion, matrix), flat=flat)
 
 
 def adjoint_view(result: FrameChange, applied: Array | None, *, order: Order) -> View:

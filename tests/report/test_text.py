@@ -1,0 +1,60 @@
+"""Tables as text."""
+
+import pytest
+
+from kinetostat.report import csv, text
+from kinetostat.report.view import Table, View
+
+
+def lines(table):
+    return text.render(View("title", (table,))).splitlines()[2:]
+
+
+def test_columns_are_broken_into_blocks_that_repeat_the_labels():
+    table = Table(("", *(f"joint_{i}" for i in range(20))), (("vx", *map(float, range(20))), ("vy", *[0.5] * 20)))
+    shown = lines(table)
+    assert max(map(len, shown)) <= 80
+    assert sum(line.startswith("vx") for line in shown) == 3
+    numbers = [word for line in shown if line.startswith("vx") for word in line.split()[1:]]
+    assert [float(word) for word in numbers] == list(range(20))
+
+
+def test_long_names_are_broken_after_underscores():
+    shown = lines(Table(("", "panda_finger_joint1"), (("vx", 1.0),)))
+    assert [line.strip() for line in shown[:-1]] == ["panda_", "finger_", "joint1"]
+
+
+@pytest.mark.parametrize(
+    ("values", "shown"),
+    [
+        ((1.0, -0.5), ["1.00000", "-0.50000"]),
+        ((1.0, 1e-17), ["1.00000", "0"]),
+        ((1.0, -1e-9), ["1.00000", "0"]),
+        ((123.456, -1.0), ["123.4560", "-1.0000"]),
+        ((123456.0, 0.001), ["1.23e+05", "1.00e-03"]),
+        ((2e-6, -1e-6), ["2.00e-06", "-1.00e-06"]),
+        ((0.0, -0.0), ["0", "0"]),
+    ],
+)
+def test_numbers_of_a_table_share_a_format_that_shows_them(values, shown):
+    assert lines(Table(("", "a", "b"), (("row", *values),)))[-1].split()[1:] == shown
+
+
+def test_words_are_cut_in_their_middle_and_the_last_column_is_folded():
+    table = Table(("name", "what"), (("x" * 60 + "_left_end", " ".join(["word"] * 40)),), words=True)
+    shown = lines(table)
+    assert max(map(len, shown)) <= 80
+    assert shown[1].split()[0].endswith("_left_end"[-5:])
+    assert ".." in shown[1]
+    assert sum(line.count("word") for line in shown) == 40
+
+
+def test_control_characters_become_text():
+    shown = text.render(View("title", (Table(("name",), (("a\x1b[31m\nb",),), words=True),)))
+    assert "\x1b" not in shown
+    assert r"a\x1b[31m\nb" in shown
+
+
+def test_csv_escapes_and_defuses():
+    table = Table(("name", "value"), (('a,"b"', 0.1), ("=cmd()", -1e-17), ("-2", None)), ("", "m"))
+    assert csv.render(table) == 'name,value [m]\n"a,""b""",0.1\n\'=cmd(),-1e-17\n-2,\n'

@@ -1,0 +1,50 @@
+"""What the README shows is what a user gets: its commands are run and their output compared, its Python is run."""
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+CONSOLE = re.findall(r"```console\n\$ (.*?)\n(.*?)```", README, re.DOTALL)
+# The last digits differ from processor to processor; the rest may not.
+ROUNDING = re.compile(r"largest difference \S+,")
+
+
+def output(line):
+    """Return what a command prints, standard error after standard output, as a terminal shows it."""
+    words = shlex.split(line)
+    assert words[0] == "kinetostat"
+    run = subprocess.run(
+        [sys.executable, "-m", "kinetostat_cli", *words[1:]], capture_output=True, text=True, check=False
+    )
+    return run.stdout + run.stderr
+
+
+@pytest.mark.parametrize(("line", "shown"), CONSOLE, ids=[line for line, _ in CONSOLE])
+def test_examples_print_what_the_readme_shows(line, shown):
+    assert ROUNDING.sub("", output(line)) == ROUNDING.sub("", shown)
+
+
+def test_there_are_five_examples():
+    assert len(CONSOLE) == 5
+
+
+def test_the_python_of_the_readme_runs():
+    blocks = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    assert len(blocks) == 1
+    run = subprocess.run([sys.executable, "-c", blocks[0]], capture_output=True, text=True, check=False)
+    assert run.stderr == ""
+    lines = run.stdout.splitlines()
+    assert lines[0].endswith("(6, 7)")
+    assert lines[1].startswith("True ")
+    assert lines[2] == "(100, 3)"
+
+
+def test_every_command_is_in_the_readme():
+    from kinetostat_cli.main import COMMANDS
+
+    assert [name for name in COMMANDS if f"kinetostat {name}" not in README] == []

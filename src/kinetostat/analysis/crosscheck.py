@@ -10,7 +10,7 @@ import numpy as np
 from kinetostat.conventions import Array, tolerance
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
-from kinetostat.urdf.description import JointType, Robot
+from kinetostat.urdf.description import JointType, Mimic, Robot
 
 __all__ = ["Certificate", "certified", "length_scale"]
 
@@ -49,7 +49,8 @@ def certified(
         speed: size of the rates that a derivative is contracted with.
     """
     allowed = tolerance(scale, speed)
-    value = evaluate(model.engine)
+    value = np.array(evaluate(model.engine))
+    value.flags.writeable = False  # results are values
     if model.witness is None:
         return value, Certificate((model.engine.name,), None, allowed)
     again = evaluate(model.witness)
@@ -68,29 +69,21 @@ def length_scale(robot: Robot, q: Array, point: tuple[float, float, float] | Non
     the largest angle in turns, because sine and cosine lose digits of large angles in proportion.
     """
     q = np.asarray(q, dtype=np.float64)
-    slide, turns = 0.0, 1.0
+    length = robot.reach + (0.0 if point is None else float(np.linalg.norm(point)))
+    turns = max((max(map(abs, joint.origin.rpy)) for joint in robot.joints), default=0.0) / (2 * np.pi)
+    folding = max((abs(law.multiplier) for law in robot.followers.values()), default=1.0)
     for joint in robot.joints:
-        turns = max(turns, max(map(abs, joint.origin.rpy)) / (2 * np.pi))
-    for joint in robot.independent:
-        part = q[..., robot.position_slices[joint.name]]
-        if joint.type.is_angle:
-            turns = max(turns, float(np.max(np.abs(part), initial=0.0)) / (2 * np.pi))
-            slide += abs(joint.pitch) * float(np.max(np.abs(part), initial=0.0)) / (2 * np.pi) + abs(joint.pitch)
-        elif joint.type is JointType.PLANAR:
-            turns = max(turns, float(np.max(np.abs(part[..., 2]), initial=0.0)) / (2 * np.pi))
-            slide += float(np.max(np.abs(part[..., :2]), initial=0.0)) * 2
-        else:
-            slide += float(np.max(np.abs(part[..., :3]), initial=0.0)) * 2
-    folding = 1.0
-    for name, law in robot.followers.items():
-        factor = abs(law.multiplier)
-        folding = max(folding, factor)
-        follower, part = robot.joint_by_name[name], q[..., robot.position_slices[law.joint]]
-        moved = factor * float(np.max(np.abs(part), initial=0.0)) + abs(law.offset)
-        if follower.type is JointType.PRISMATIC:
-            slide += moved
-        else:
-            turns = max(turns, moved / (2 * np.pi))
-            slide += abs(follower.pitch) * moved / (2 * np.pi)
-    out = 0.0 if point is None else float(np.linalg.norm(point))
-    return (robot.reach + slide + out) * folding * turns if robot.reach + slide + out > 1 else folding * turns
+        if joint.type is JointType.FIXED:
+            continue
+        law = robot.followers.get(joint.name)
+        part = np.abs(q[..., robot.position_slices[law.joint if law else joint.name]])
+        size = float(np.max(part, initial=0.0)) if law is None else _followed(law, part)
+        if joint.type.is_angle or joint.type is JointType.PLANAR:
+            turns = max(turns, size / (2 * np.pi))
+        length += abs(joint.pitch) * (1 + size / (2 * np.pi)) if joint.type.is_angle else size
+    return max(1.0, length) * max(1.0, folding) * max(1.0, turns)
+
+
+def _followed(law: Mimic, leader: Array) -> float:
+    """Return the largest size of a follower's position."""
+    return abs(law.multiplier) * float(np.max(leader, initial=0.0)) + abs(law.offset)

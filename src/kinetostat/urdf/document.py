@@ -74,7 +74,7 @@ def parse(data: bytes, file: str) -> Document:
     text = _decode(data, file, remarks)
     stripped = text.lstrip("\ufeff \t\r\n")
     if not stripped:
-        raise XmlError("the file is empty", file=file)
+        raise XmlError("the file is empty", file=file, remedy="is this the file that you mean?")
     if stripped[:200].lower().startswith(("<!doctype html", "<html")):
         raise XmlError("the file is an HTML page, not a robot", file=file, remedy="download the raw file")
     skipped = text[: len(text) - len(stripped)].count("\n")
@@ -148,7 +148,8 @@ def _build(text: str, file: str, skipped: int) -> Element:
         parser.Parse(text.encode(), True)
     except expat.ExpatError as error:
         reason = expat.errors.messages.get(error.code, "syntax error")
-        raise XmlError(f"not well-formed XML: {reason}", file=file, line=error.lineno + skipped) from None
+        line = error.lineno + skipped
+        raise XmlError(f"not well-formed XML: {reason}", file=file, line=line, remedy="correct the XML there") from None
     except UnicodeEncodeError:
         raise XmlError("the text has a lone surrogate", file=file, remedy="save the file as UTF-8") from None
     return top.children[0]

@@ -12,7 +12,7 @@ from enum import StrEnum
 import numpy as np
 import numpy.typing as npt
 
-from kinetostat.errors import UsageError
+from kinetostat.errors import UsageError, unknown_name
 
 __all__ = ["Array", "Order", "Reference", "Velocity", "WrenchOrTwist", "tolerance"]
 
@@ -35,7 +35,15 @@ PLANAR_VELOCITY = ("vx", "vy", "wz")
 AGREEMENT = 1e-12
 
 
-class Reference(StrEnum):
+class Word(StrEnum):
+    """A choice among words. Any other word is a UsageError that lists them."""
+
+    @classmethod
+    def _missing_(cls, value: object) -> Word:
+        raise unknown_name(cls.__name__.lower(), str(value), cls)
+
+
+class Reference(Word):
     """Shorthand for the point and the axes of a Jacobian.
 
     aligned: velocity of F's origin (or of `point`), observer's axes (Pinocchio LOCAL_WORLD_ALIGNED, Corke jacob0).
@@ -48,7 +56,7 @@ class Reference(StrEnum):
     WORLD = "world"
 
 
-class Order(StrEnum):
+class Order(Word):
     """Which half of a six-vector comes first."""
 
     LINEAR_FIRST = "linear-first"
@@ -60,7 +68,7 @@ class Order(StrEnum):
         return [0, 1, 2, 3, 4, 5] if self is Order.LINEAR_FIRST else [3, 4, 5, 0, 1, 2]
 
 
-class WrenchOrTwist(StrEnum):
+class WrenchOrTwist(Word):
     """What a 6x6 frame change carries."""
 
     TWIST = "twist"

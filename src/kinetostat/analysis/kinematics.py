@@ -88,7 +88,13 @@ def fk(model: Model, frame: str, q: Array, *, relative_to: str | None = None) ->
 
 
 def adjoint(
-    model: Model, start: str, end: str, q: Array, *, kind: WrenchOrTwist = WrenchOrTwist.TWIST, inverse: bool = False
+    model: Model,
+    start: str,
+    end: str,
+    q: Array,
+    *,
+    kind: WrenchOrTwist | str = WrenchOrTwist.TWIST,
+    inverse: bool = False,
 ) -> FrameChange:
     """Return the frame change from `start` to `end`: V_end = Ad(T) V_start, F_end = Ad(T)^-T F_start, T = T_end_start.
 
@@ -110,7 +116,7 @@ def adjoint(
     Raises:
         UnknownNameError: there is no such frame.
     """
-    robot = model.robot
+    robot, kind = model.robot, WrenchOrTwist(kind)
     a, b = robot.frame(start), robot.frame(end)
     a, b = (b, a) if inverse else (a, b)
     matrix, certificate = certified(model, lambda engine: engine.frame_change(q, a, b, kind), length_scale(robot, q))

@@ -247,7 +247,9 @@ class PinocchioEngine:
 
     def _at_origin(self, frame: int) -> tuple[Array, Array]:
         """Return the linear and angular rows (3, nv) of a frame's origin, in the root's axes."""
-        folded = pin.getFrameJacobian(self._model, self._data, frame, _AT_FRAME) @ self._fold
+        # With one degree of freedom Pinocchio gives (6,), not (6, 1).
+        columns = pin.getFrameJacobian(self._model, self._data, frame, _AT_FRAME).reshape(6, -1)
+        folded = columns @ self._fold
         return folded[:3], folded[3:]
 
     def _point(self, velocity: Velocity) -> Array:
@@ -281,7 +283,8 @@ class PinocchioEngine:
         for name in (velocity.of, velocity.relative_to):
             frame = self._frame(name)
             linear, angular = self._at_origin(frame)
-            varied = pin.getFrameJacobianTimeVariation(self._model, self._data, frame, _AT_FRAME) @ self._fold
+            rates = pin.getFrameJacobianTimeVariation(self._model, self._data, frame, _AT_FRAME).reshape(6, -1)
+            varied = rates @ self._fold
             arm = point - self._data.oMf[frame].translation
             arm_rate = point_rate - linear @ qdot
             parts.append((varied[:3] - pin.skew(arm) @ varied[3:] - pin.skew(arm_rate) @ angular, varied[3:]))

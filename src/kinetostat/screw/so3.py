@@ -174,16 +174,17 @@ def from_rpy(rpy: Array) -> Array:
 
 
 def to_rpy(rotation: Array) -> Array:
-    """Return roll, pitch, yaw of a rotation, pitch in [-pi/2, pi/2]; at its ends roll is chosen 0.
+    """Return roll, pitch, yaw of a rotation, pitch in [-pi/2, pi/2]; at its ends yaw is chosen 0.
 
+    Roll is taken after the yaw is turned back, so that the three name the rotation to the last bits near the ends too.
     Shapes (..., 3, 3) -> (..., 3), rad.
     """
     r = np.asarray(rotation, dtype=np.float64)
-    cosine = np.hypot(r[..., 0, 0], r[..., 1, 0])
-    upright = cosine < 1e-12
-    roll = np.where(upright, 0.0, np.arctan2(r[..., 2, 1], r[..., 2, 2]))
-    yaw = np.where(upright, np.arctan2(-r[..., 0, 1], r[..., 1, 1]), np.arctan2(r[..., 1, 0], r[..., 0, 0]))
-    return np.stack([roll, np.arctan2(-r[..., 2, 0], cosine), yaw], -1)
+    level = np.hypot(r[..., 0, 0], r[..., 1, 0])
+    yaw = np.where(level < 1e-15, 0.0, np.arctan2(r[..., 1, 0], r[..., 0, 0]))
+    sine, cosine = np.sin(yaw), np.cos(yaw)
+    roll = np.arctan2(sine * r[..., 0, 2] - cosine * r[..., 1, 2], cosine * r[..., 1, 1] - sine * r[..., 0, 1])
+    return np.stack([roll, np.arctan2(-r[..., 2, 0], level), yaw], -1)
 
 
 def carry_z_to(axis: Array) -> Array:

@@ -237,7 +237,8 @@ def _limit(reading: Reading, element: Element, kind: JointType) -> Limit:
             reading.remark(element, f"the limit has no {key}: it counts as not stated")
         elif values.get(key, 0.0) < 0:
             reading.remark(element, f"the {key} limit {values[key]:g} is negative")
-    if not bounded:
+    # A screw may be limited or not; continuous, planar and floating joints have no range.
+    if not bounded and not (kind is JointType.SCREW and {"lower", "upper"} & set(values)):
         return Limit(effort=values.get("effort"), velocity=values.get("velocity"))
     for key in ("lower", "upper"):
         if key not in values:

@@ -1,6 +1,7 @@
 """The certificate: what counts as agreement, and what never does."""
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -73,7 +74,17 @@ def test_pinocchio_refusing_a_robot_is_our_error_with_its_reason(arm):
     assert caught.value.exit_code == 3
 
 
+def test_a_model_travels_to_another_process(arm):
+    q = np.array([0.3, 0.7])
+    here = ks.jacobian(arm, "tool", q)
+    again = pickle.loads(pickle.dumps(arm))
+    assert np.array_equal(ks.jacobian(again, "tool", q).matrix, here.matrix)
+    assert np.array_equal(pickle.loads(pickle.dumps(here)).matrix, here.matrix)
+
+
 def test_results_are_frozen_values(arm):
     result = ks.jacobian(arm, "tool", np.zeros(2))
     with pytest.raises(dataclasses.FrozenInstanceError):
         result.matrix = np.zeros((6, 2))
+    with pytest.raises(ValueError, match="read-only"):
+        result.matrix[0, 0] = 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO
@@ -33,6 +33,10 @@ class Model:
     robot: Robot
     floating_base: bool = False
     crosscheck: bool = True
+
+    def __getstate__(self) -> dict[str, object]:
+        # Engines hold foreign data that does not travel; the process that unpickles builds its own.
+        return {part.name: getattr(self, part.name) for part in fields(self)}
 
     @property
     def semantics(self) -> Semantics:

@@ -121,7 +121,7 @@ class Velocity:
                 )
             return cls(of, relative_to, expressed_in or relative_to, None)
         axes = expressed_in or (of if reference is Reference.LOCAL else relative_to)
-        return cls(of, relative_to, axes, point or (0.0, 0.0, 0.0))
+        return cls(of, relative_to, axes, (0.0, 0.0, 0.0) if point is None else point)
 
 
 def tolerance(length: float, speed: float = 1.0) -> float:

@@ -88,3 +88,48 @@ def test_results_are_frozen_values(arm):
         result.matrix = np.zeros((6, 2))
     with pytest.raises(ValueError, match="read-only"):
         result.matrix[0, 0] = 1
+
+
+FLOATING = ks.load("textbook:planar_2r", floating_base=True)
+
+
+@pytest.mark.parametrize(
+    ("q", "asked", "message"),
+    [
+        (np.zeros(3), {}, "positions have the shape"),
+        (np.zeros((4, 1)), {}, "positions have the shape"),
+        (np.float64(0), {}, "positions have the shape"),
+        ([0.0, np.nan], {}, "not a finite number"),
+        (["a", "b"], {}, "positions are numbers"),
+        (np.zeros(2), {"qdot": np.zeros(3)}, "rates have the shape"),
+        (np.zeros(2), {"qdot": [np.inf, 0]}, "a rate is not a finite number"),
+        (np.zeros(2), {"point": (1.0, 2.0)}, "three finite coordinates"),
+        (np.zeros(2), {"point": (1.0, 2.0, np.nan)}, "three finite coordinates"),
+    ],
+)
+def test_arrays_that_cannot_be_are_refused_by_name(arm, q, asked, message):
+    with pytest.raises(ks.UsageError, match=message):
+        ks.jacobian(arm, "tool", q, **asked)
+    if not asked:
+        with pytest.raises(ks.UsageError, match=message):
+            ks.fk(arm, "tool", q)
+
+
+def test_a_zero_quaternion_is_refused():
+    with pytest.raises(ks.ConfigurationError, match="quaternion of joint 'root_joint' is zero"):
+        ks.fk(FLOATING, "tool", np.zeros(9))
+
+
+def test_a_point_may_be_an_array(arm):
+    q = np.array([0.3, 0.7])
+    for point in ((0.1, 0.2, 0.3), np.array([0.1, 0.2, 0.3]), [0.1, 0.2, 0.3]):
+        assert ks.jacobian(arm, "tool", q, point=point).velocity.point == (0.1, 0.2, 0.3)
+
+
+@pytest.mark.parametrize("shape", [(0,), (2, 0), (0, 3)])
+def test_an_empty_batch_has_a_shape(arm, shape):
+    q = np.zeros((*shape, 2))
+    assert ks.fk(arm, "tool", q).matrix.shape == (*shape, 4, 4)
+    result = ks.jacobian(arm, "tool", q, qdot=np.ones(2))
+    assert result.matrix.shape == result.time_derivative.shape == (*shape, 6, 2)
+    assert result.certificate.agree

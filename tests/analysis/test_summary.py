@@ -58,10 +58,8 @@ def test_a_clean_file_has_nothing_odd():
     assert ks.summary(ks.load("textbook:planar_2r")).remarks == ()
 
 
-@pytest.mark.parametrize("name", short_names(example_robots()))
+@pytest.mark.parametrize("name", [name for name in short_names(example_robots()) if name != "ur3"])  # an empty file
 def test_real_robots_have_a_certified_mass_and_all_their_tips(name):
-    if name == "ur3":
-        pytest.skip("example:ur3 is a file without a link")
     result = ks.summary(ks.load(f"example:{name}"))
     assert result.certificate.agree
     assert result.base_mass + result.moving_mass > 0 or not any(link.inertial for link in result.robot.links)

@@ -18,6 +18,7 @@ __all__ = ["Configuration", "configuration", "joint_rates", "random_configuratio
 Value = float | Sequence[float]
 
 _NO_LIMIT = 1e6  # rad or m: a larger one is written for "none"
+_SHORTEST_QUATERNION = 1e-9
 _LIMIT_SLACK = 1e-9  # a limit typed with ten digits is not exceeded by its own rounding
 
 
@@ -108,6 +109,42 @@ def joint_rates(
     return rates
 
 
+def checked(robot: Robot, q: Array) -> Array:
+    """Return configurations (..., nq) as an array of numbers that an engine can take.
+
+    Raises:
+        ConfigurationError: another count of positions, one that is not finite, a quaternion of length zero.
+    """
+    q = _numbers(q, robot.nq, "position")
+    for joint in robot.independent:
+        if joint.type is JointType.FLOATING:
+            rotation = q[..., robot.position_slices[joint.name]][..., 3:]
+            if np.any(np.linalg.norm(rotation, axis=-1) < _SHORTEST_QUATERNION):
+                raise ConfigurationError(f"a quaternion of joint {quote(joint.name)} is zero")
+    return q
+
+
+def checked_rates(robot: Robot, qdot: Array) -> Array:
+    """Return joint rates (..., nv) as an array of numbers that an engine can take.
+
+    Raises:
+        ConfigurationError: another count of rates, or one that is not finite.
+    """
+    return _numbers(qdot, robot.nv, "rate")
+
+
+def _numbers(values: Array, count: int, what: str) -> Array:
+    try:
+        numbers = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ConfigurationError(f"{what}s are numbers in an array (..., {count})") from None
+    if numbers.ndim == 0 or numbers.shape[-1] != count:
+        raise ConfigurationError(f"{what}s have the shape (..., {count}) here, not {numbers.shape}")
+    if not np.all(np.isfinite(numbers)):
+        raise ConfigurationError(f"a {what} is not a finite number")
+    return numbers
+
+
 def neutral(robot: Robot) -> Array:
     """Return the zero configuration: every position 0, floating joints with the identity rotation. (nq,)."""
     q = np.zeros(robot.nq)
@@ -139,7 +176,7 @@ def random_configurations(robot: Robot, seed: int, shape: tuple[int, ...] = ()) 
         elif joint.type is JointType.PLANAR:
             q[..., where] = generator.uniform(-1, 1, (*shape, 3)) * np.array([1, 1, math.pi])
         else:
-            lower, upper = _bounded(joint, *_range_with_followers(robot, joint))
+            lower, upper = _range_with_followers(robot, joint)
             q[..., where.start] = lower + (upper - lower) * generator.random(shape)
     return q
 
@@ -157,16 +194,17 @@ def _middle(robot: Robot) -> Array:
 
 def _range_with_followers(robot: Robot, joint: Joint) -> tuple[float, float]:
     """Return the part of a joint's range in which its followers are inside theirs; all of it if that is no range."""
-    lower, upper = joint.limit.range
+    whole = lower, upper = _bounded(joint)
     for name, law in robot.followers.items():
         if law.joint == joint.name and law.multiplier != 0:
             ends = sorted((end - law.offset) / law.multiplier for end in robot.joint_by_name[name].limit.range)
             lower, upper = max(lower, ends[0]), min(upper, ends[1])
-    return (lower, upper) if lower < upper else joint.limit.range
+    return (lower, upper) if lower < upper else whole
 
 
-def _bounded(joint: Joint, lower: float, upper: float) -> tuple[float, float]:
+def _bounded(joint: Joint) -> tuple[float, float]:
     """Return ends to draw between; a missing limit (or 1e308, which means the same) is half a turn or 1 m away."""
+    lower, upper = joint.limit.range
     half = math.pi if joint.type.is_angle else 1.0
     below, above = lower > -_NO_LIMIT, upper < _NO_LIMIT
     if below and above:
@@ -230,7 +268,7 @@ def _from_values(
             if quaternion_first == "w" and (named is None or joint.name in named):
                 rotation = np.roll(rotation, -1)
             norm = float(np.linalg.norm(rotation))
-            if norm < 1e-9:
+            if norm < _SHORTEST_QUATERNION:
                 raise ConfigurationError(f"the quaternion of joint {quote(joint.name)} is zero")
             if abs(norm - 1) > 1e-3:
                 raise ConfigurationError(f"the quaternion of joint {quote(joint.name)} has length {norm:.6g}, not 1")

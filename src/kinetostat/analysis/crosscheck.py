@@ -48,13 +48,13 @@ def certified(
         scale: length that rounding grows with, in m (see `length_scale`).
         speed: size of the rates that a derivative is contracted with.
     """
-    allowed = tolerance(scale, speed)
+    allowed, witness = tolerance(scale, speed), model.witness  # which also checks that both see the same joints
     value = np.array(evaluate(model.engine))
     value.flags.writeable = False  # results are values
-    if model.witness is None:
+    if witness is None:
         return value, Certificate((model.engine.name,), None, allowed)
-    again = evaluate(model.witness)
-    names = (model.engine.name, model.witness.name)
+    again = evaluate(witness)
+    names = (model.engine.name, witness.name)
     same_shape = value.shape == again.shape
     difference = float(np.max(np.abs(value - again), initial=0.0)) if same_shape else float("inf")
     # NaN compares false: what is not a number never agrees.

@@ -86,11 +86,14 @@ class EulerSequence:
         if self.proper:
             first = np.arctan2(r[..., b, a], -sign * r[..., k, a])
             second = np.arctan2(np.hypot(r[..., b, a], r[..., k, a]), r[..., a, a])
-            third = np.arctan2(r[..., a, b], sign * r[..., a, k])
         else:
             first = np.arctan2(-sign * r[..., b, c], r[..., c, c])
-            second = np.arctan2(sign * r[..., a, c], np.hypot(r[..., a, a], r[..., a, b]))
-            third = np.arctan2(-sign * r[..., a, b], r[..., a, a])
+            second = np.arctan2(sign * r[..., a, c], np.hypot(r[..., b, c], r[..., c, c]))
+        # The third after the first is turned back, so that the three name the rotation near the singularity too:
+        # row b of Ra(-t1) R = Rb(t2) Rc(t3) is that of Rc(t3).
+        row = np.cos(first)[..., None] * r[..., b, :] + sign * np.sin(first)[..., None] * r[..., k, :]
+        d = 3 - b - c
+        third = np.arctan2(row[..., d] if (d - c) % 3 == 1 else -row[..., d], row[..., b])
         angles = np.stack([first, second, third], -1)
         return angles[..., ::-1] if self.fixed else angles
 

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from kinetostat.analysis.configuration import checked, checked_rates
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.euler import EulerSequence
 from kinetostat.conventions import TWIST_ROWS, TWIST_UNITS, Array, Reference, Velocity
@@ -61,7 +62,7 @@ def jacobian(
     reference: Reference | str = Reference.ALIGNED,
     relative_to: str | None = None,
     expressed_in: str | None = None,
-    point: tuple[float, float, float] | None = None,
+    point: Sequence[float] | None = None,
     joints: Literal["path", "all"] | Sequence[str] = "path",
     rates: EulerSequence | str | None = None,
     qdot: Array | None = None,
@@ -89,9 +90,11 @@ def jacobian(
         UnknownNameError: no such frame, joint or sequence.
         UsageError: a fixed or follower joint is chosen; a point with reference world; other axes with `rates`.
         RepresentationError: the Euler angles have no rates at q.
+        ConfigurationError: q or qdot has another shape, or a number that is not finite.
     """
     robot = model.robot
-    reference = Reference(reference)
+    q, qdot = checked(robot, q), None if qdot is None else checked_rates(robot, qdot)
+    reference, point = Reference(reference), None if point is None else _checked_point(point)
     observer = robot.frame(relative_to or robot.root)
     axes = None if expressed_in is None else robot.frame(expressed_in)
     velocity = Velocity.by_reference(reference, robot.frame(frame), observer, point=point, expressed_in=axes)
@@ -113,7 +116,8 @@ def jacobian(
 
     scale, speed, warnings = length_scale(robot, q, point), 1.0, []
     if qdot is not None:
-        speed = max(1.0, float(np.max(np.sum(np.abs(qdot), -1), initial=0.0)))
+        folding = max((abs(law.multiplier) for law in robot.followers.values()), default=1.0)  # followers race
+        speed = max(1.0, float(np.max(np.sum(np.abs(qdot), -1), initial=0.0)) * max(1.0, folding))
     if sequence is not None:
         steepness = _steepness(model, velocity, q, sequence)
         speed *= steepness ** (1 if qdot is None else 3)
@@ -139,6 +143,14 @@ def jacobian(
         certificate,
         tuple(warnings),
     )
+
+
+def _checked_point(point: Sequence[float]) -> tuple[float, float, float]:
+    numbers = tuple(float(c) for c in point)
+    if len(numbers) != 3 or not np.all(np.isfinite(numbers)):
+        raise UsageError(f"a point has three finite coordinates, not {len(numbers)}: x, y, z in m")
+    x, y, z = numbers
+    return x, y, z
 
 
 def velocity_units(joint: Joint) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.conventions import Array, WrenchOrTwist
 from kinetostat.engines.model import Model
@@ -80,9 +81,10 @@ def fk(model: Model, frame: str, q: Array, *, relative_to: str | None = None) ->
 
     Raises:
         UnknownNameError: there is no such frame.
+        ConfigurationError: q has another shape, or a number that is not finite.
     """
     robot = model.robot
-    frame, observer = robot.frame(frame), robot.frame(relative_to or robot.root)
+    frame, observer, q = robot.frame(frame), robot.frame(relative_to or robot.root), checked(robot, q)
     matrix, certificate = certified(model, lambda engine: engine.placement(q, frame, observer), length_scale(robot, q))
     return Placement(frame, observer, matrix, certificate)
 
@@ -115,9 +117,11 @@ def adjoint(
 
     Raises:
         UnknownNameError: there is no such frame.
+        ConfigurationError: q has another shape, or a number that is not finite.
     """
     robot, kind = model.robot, WrenchOrTwist(kind)
     a, b = robot.frame(start), robot.frame(end)
     a, b = (b, a) if inverse else (a, b)
+    q = checked(robot, q)
     matrix, certificate = certified(model, lambda engine: engine.frame_change(q, a, b, kind), length_scale(robot, q))
     return FrameChange(a, b, kind, matrix, certificate)

@@ -80,6 +80,7 @@ class PinocchioEngine:
     name = "pinocchio"
 
     def __init__(self, text: str, *, floating_base: bool = False) -> None:
+        self._floating_base = floating_base
         self._model = _build(text, floating_base)
         self._joints = _read_joints(text, floating_base)
         for joint in self._joints:
@@ -95,29 +96,26 @@ class PinocchioEngine:
 
     def _install(self, joint: _Joint) -> None:
         """Find a joint in the model, and put right what Pinocchio's URDF parser does not know of it."""
-        index = self._model.getJointId(joint.name)
-        if index >= self._model.njoints:
+        # Not getJointId: joint 0 is Pinocchio's own `universe`, and a file may call a joint so, too.
+        index = next((i for i in range(1, self._model.njoints) if self._model.names[i] == joint.name), None)
+        if index is None:
             raise EngineError(f"Pinocchio has no joint {printable(joint.name)!r}")
         model_joint = self._model.joints[index]
         if joint.pitch is not None:
-            helical = pin.JointModelHelicalUnaligned(joint.axis / np.linalg.norm(joint.axis), joint.pitch / (2 * np.pi))
+            direction = joint.axis / np.linalg.norm(joint.axis)
+            helical = pin.JointModelHelicalUnaligned(direction, joint.pitch / (2 * np.pi))
             helical.setIndexes(model_joint.id, model_joint.idx_q, model_joint.idx_v)
             self._model.joints[index] = pin.JointModel(helical)
-        elif joint.type == "planar":
-            self._turn_plane(index, joint.axis / np.linalg.norm(joint.axis))
+        elif joint.type != "floating":
+            # A plane is x-y to Pinocchio whatever the axis, and an axis within 1e-12 of x, y or z is that axis.
+            taken = 2 if joint.type == "planar" else "XYZ".find(model_joint.shortname()[-1])
+            direction = joint.axis / np.linalg.norm(joint.axis)
+            if taken >= 0 and not np.array_equal(direction, np.eye(3)[taken]):
+                self._turn(index, _smallest_rotation(taken, direction))
         joint.q, joint.v = model_joint.idx_q, model_joint.idx_v
 
-    def _turn_plane(self, index: int, normal: Array) -> None:
-        """Turn the plane of a planar joint, which Pinocchio takes as x-y whatever the axis, to the joint's normal.
-
-        The joint frame is turned by the smallest rotation from z to the normal (for -z: half a turn about x), and
-        everything that hangs on the joint is turned back.
-        """
-        z = np.array([0.0, 0.0, 1.0])
-        if normal[0] == 0 and normal[1] == 0:
-            rotation = np.eye(3) if normal[2] > 0 else np.diag([1.0, -1.0, -1.0])
-        else:
-            rotation = pin.Quaternion.FromTwoVectors(z, normal).toRotationMatrix()
+    def _turn(self, index: int, rotation: Array) -> None:
+        """Turn the frame of a joint, and turn everything that hangs on the joint back."""
         turn = pin.SE3(rotation, np.zeros(3))
         model = self._model
         model.jointPlacements[index] = model.jointPlacements[index] * turn
@@ -186,6 +184,8 @@ class PinocchioEngine:
 
         Pinocchio lumps a link with what is fixed to it; a fixed joint's frame keeps the share that it brought.
         """
+        if self._floating_base:  # the base is the massless `universe`
+            return 0.0, float(sum(inertia.mass for inertia in self._model.inertias))
         base = next(frame for frame in self._model.frames if frame.type == _BODY).parentJoint
         fixed_on = sum(
             frame.inertia.mass
@@ -231,19 +231,18 @@ class PinocchioEngine:
         many = np.broadcast_to(q, (*shape, q.shape[-1])).reshape(count, q.shape[-1])
         rates = None if qdot is None else np.broadcast_to(qdot, (*shape, qdot.shape[-1])).reshape(count, qdot.shape[-1])
         results = []
-        for i, one in enumerate(many):
-            full = self._configuration(one)
+        for i in range(max(count, 1)):  # an empty batch still has a shape
+            full = self._configuration(many[i]) if count else pin.neutral(self._model)
             if rates is not None:
-                pin.computeJointJacobiansTimeVariation(self._model, self._data, full, self._fold @ rates[i])
+                rate = rates[i] if count else np.zeros(rates.shape[-1])
+                pin.computeJointJacobiansTimeVariation(self._model, self._data, full, self._fold @ rate)
             elif jacobians:
                 pin.computeJointJacobians(self._model, self._data, full)
             else:
                 pin.forwardKinematics(self._model, self._data, full)
             pin.updateFramePlacements(self._model, self._data)
-            results.append(evaluate() if rates is None else evaluate(rates[i]))
-        if not results:
-            raise EngineError("no configuration was given")
-        return np.stack(results).reshape(*shape, *results[0].shape)
+            results.append(evaluate() if rates is None else evaluate(rate))
+        return np.stack(results)[:count].reshape(*shape, *results[0].shape)
 
     def _at_origin(self, frame: int) -> tuple[Array, Array]:
         """Return the linear and angular rows (3, nv) of a frame's origin, in the root's axes."""
@@ -321,6 +320,22 @@ def _read_joints(text: str, floating_base: bool) -> list[_Joint]:
         if joint.leader not in names:  # the reader says so in a remark
             joint.leader, joint.multiplier, joint.offset = None, 1.0, 0.0
     return joints
+
+
+def _smallest_rotation(along: int, direction: Array) -> Array:
+    """Return the smallest rotation of a coordinate axis to a direction; to its opposite, by the axis that comes next.
+
+    Not Quaternion.FromTwoVectors, which loses digits near the opposite, and all of them within 1e-6 of it.
+    """
+    i, j = (along + 1) % 3, (along + 2) % 3
+    sine = float(np.hypot(direction[i], direction[j]))
+    if sine == 0:
+        return np.eye(3) if direction[along] > 0 else np.diag([1.0 if k == i else -1.0 for k in range(3)])
+    half = float(np.arctan2(sine, direction[along])) / 2
+    vector = np.zeros(3)
+    vector[i], vector[j] = -direction[j] / sine * np.sin(half), direction[i] / sine * np.sin(half)
+    rotation: Array = pin.Quaternion(np.cos(half), *vector).toRotationMatrix()
+    return rotation
 
 
 def _build(text: str, floating_base: bool) -> Any:

@@ -6,6 +6,7 @@ number from them by itself. What is left out or mended does not bear on a number
 - comments, processing instructions, visuals, collisions, materials and extension blocks (urdfdom dies on a processing
   instruction, on a material given twice, on elements nested more than 500 deep);
 - white space in an attribute: urdfdom splits at single spaces only;
+- an inertial that lacks its mass or a moment, which the reader does not count;
 - limits, which urdfdom refuses when they are incomplete or infinite: each is replaced by an empty one;
 - a missing robot name, and a version not of the form "1.0";
 - Drake's screw joint, which urdfdom does not know: it is written as a revolute joint with its pitch inside.
@@ -22,6 +23,7 @@ __all__ = ["SCREW_PITCH", "canonical_text"]
 SCREW_PITCH = "screw_thread_pitch"
 
 _NAMES = frozenset({"name", "link", "joint", "type"})
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _INERTIAL_PARTS = ("origin", "mass", "inertia")
 _JOINT_PARTS = ("origin", "parent", "child", "axis", "mimic")
 
@@ -42,8 +44,18 @@ def canonical_text(document: Document) -> str:
 
 def _add_link(robot: ET.Element, element: Element) -> None:
     link = ET.SubElement(robot, "link", name=element.attributes["name"])
-    for inertial in element.all("inertial"):
-        _copy(ET.SubElement(link, "inertial"), inertial, _INERTIAL_PARTS)
+    for inertial in element.all("inertial")[:1]:
+        if _complete(inertial):
+            _copy(ET.SubElement(link, "inertial"), inertial, _INERTIAL_PARTS)
+
+
+def _complete(inertial: Element) -> bool:
+    mass, inertia = (inertial.all(part)[:1] for part in ("mass", "inertia"))
+    return (
+        bool(mass and inertia)
+        and "value" in mass[0].attributes
+        and all(moment in inertia[0].attributes for moment in _MOMENTS)
+    )
 
 
 def _add_joint(robot: ET.Element, element: Element) -> None:

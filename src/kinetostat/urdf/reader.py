@@ -131,7 +131,6 @@ def _inertial(reading: Reading, link: Element, version: tuple[int, int]) -> Iner
             else:
                 missing.append("mass value" if key == "value" else key)
     if missing:
-        # urdfdom, and so Pinocchio, drops such an inertial as a whole; so do we, and say it.
         reading.remark(link, f"the inertial has no {', '.join(missing)}: the link counts as massless")
         return None
     kilograms, ixx, ixy, ixz, iyy, iyz, izz = found
@@ -208,10 +207,10 @@ def _axis(reading: Reading, element: Element, kind: JointType) -> Vector:
     if found is None:
         reading.remark(element, "no axis: URDF's default 1 0 0 holds")
         return (1.0, 0.0, 0.0)
-    x, y, z = reading.vector(found, "xyz", 3)
+    x, y, z = reading.vector(found, "xyz", 3, MAX_LENGTH)
     norm = math.hypot(x, y, z)
-    if not SMALLEST_AXIS < norm < math.inf:
-        raise reading.error(found, "the axis has no direction: it is zero or too large", "write 0 0 1", NumberError)
+    if norm < SMALLEST_AXIS:
+        raise reading.error(found, "the axis is zero: it has no direction", "write 0 0 1, or another", NumberError)
     if abs(norm - 1) > 1e-3:
         reading.remark(element, f"the axis has length {norm:.6g}: its direction counts, not its length")
     if kind is JointType.PLANAR and (x, y) != (0.0, 0.0):
@@ -307,10 +306,10 @@ def _quaternion(reading: Reading, element: Element, version: tuple[int, int]) ->
         raise reading.error(element, "quat_xyzw is part of URDF 1.1", remedy)
     if "rpy" in element.attributes:
         raise reading.error(element, "both rpy and quat_xyzw are given", "keep one of them", StructureError)
-    x, y, z, w = reading.vector(element, "quat_xyzw", 4)
+    x, y, z, w = reading.vector(element, "quat_xyzw", 4, MAX_LENGTH)
     norm = math.hypot(x, y, z, w)
-    if not SMALLEST_AXIS < norm < math.inf:
-        raise reading.error(element, "the quaternion is zero or too large", "write 0 0 0 1", NumberError)
+    if norm < SMALLEST_AXIS:
+        raise reading.error(element, "the quaternion is zero", "write 0 0 0 1, or another", NumberError)
     if abs(norm - 1) > 1e-3:
         reading.remark(element, f"the quaternion has length {norm:.6g}: it is normalised")
     return (x / norm, y / norm, z / norm, w / norm)

@@ -10,7 +10,7 @@ import kinetostat as ks
 def test_words_stand_for_themselves_and_others_are_refused(words):
     for word in words:
         assert words(word.value) is word
-    with pytest.raises(ks.UsageError, match=f"there is no {words.__name__.lower()} 'sideways'"):
+    with pytest.raises(ks.UsageError, match="'sideways' .there are"):
         words("sideways")
 
 
@@ -21,7 +21,7 @@ def test_functions_take_the_words():
     assert np.allclose(wrench, np.linalg.inv(twist).T, atol=1e-14)
     with pytest.raises(ks.UsageError, match="reference 'body'"):
         ks.jacobian(arm, "tool", q, reference="body")
-    with pytest.raises(ks.UsageError, match="wrenchortwist 'force'"):
+    with pytest.raises(ks.UsageError, match="kind 'force'"):
         ks.adjoint(arm, "tool", "base", q, kind="force")
 
 

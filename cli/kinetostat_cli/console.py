@@ -46,8 +46,12 @@ def load(robot: RobotOptions, output: OutputOptions) -> Model:
     for argument in robot.xacro_arg or []:
         name, separator, value = argument.partition(":=")
         if not separator or not name:
-            raise kinetostat.UsageError(f"--xacro-arg {argument!r} is not of the form NAME:=VALUE")
+            message = f"--xacro-arg {argument!r} is not of the form NAME:=VALUE"
+            raise kinetostat.UsageError(message, remedy="for instance side:=left")
         arguments[name] = value
+    for folder in robot.package_dir or []:
+        if not folder.is_dir():
+            raise kinetostat.UsageError(f"--package-dir {folder} is not a folder", remedy="name a folder with packages")
     model = kinetostat.load(
         robot.source,
         floating_base=robot.base is Base.FLOATING,
@@ -77,9 +81,7 @@ def configuration(model: Model, at: ConfigurationOptions) -> Configuration:
     if at.config.startswith("@"):
         wanted, in_radians = read_values(at.config[1:])
         degrees = degrees and not in_radians
-    found = kinetostat.configuration(
-        model.robot, wanted, semantics=model.semantics, degrees=degrees, quaternion_first=at.quat.value[0]
-    )
+    found = kinetostat.configuration(model, wanted, degrees=degrees, quaternion_first=at.quat.value[0])
     warn(found.warnings)
     return found
 
@@ -118,7 +120,8 @@ def write_answer(answer: Answer, output: OutputOptions) -> None:
     certificate = answer.certificate
     if certificate is not None and certificate.agree is False:
         apart = f"{certificate.max_difference:.3g}, more than {certificate.tolerance:.3g}"
-        say("error", f"the engines disagree by {apart}: trust neither number")
+        file = f"{answer.model.loaded.source.name}: " if answer.model else ""
+        say("error", f"{file}the engines disagree by {apart}: trust neither number")
         raise typer.Exit(DISAGREE)
 
 
@@ -154,7 +157,17 @@ def _write_out(text: str) -> None:
         sys.stdout.write(text)
         sys.stdout.flush()
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the flush when Python ends
+        _forget_output()
+    except OSError as error:
+        from kinetostat.errors import UsageError
+
+        _forget_output()
+        raise UsageError(f"cannot write to standard output: {error.strerror}", remedy="is the disk full?") from None
+
+
+def _forget_output() -> None:
+    """Send what is left of standard output nowhere, so that Python's last flush does not fail again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _write_whole(path: Path, text: str) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import traceback
 from importlib import import_module
 from typing import Annotated
 
 import typer
+
+from kinetostat_cli import completion
 
 __all__ = ["COMMANDS", "build", "main", "run"]
 
@@ -56,6 +59,8 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a name that the terminal's encoding cannot show is escaped, not fatal
             stream.reconfigure(errors="backslashreplace")
+    if os.environ.get("_KINETOSTAT_COMPLETE") == "complete_bash":
+        sys.exit(completion.answer_bash(lambda: run([])))
     sys.exit(run(sys.argv[1:]))
 
 
@@ -84,7 +89,7 @@ def _usage(error: Exception) -> int:
         return 2
     context = getattr(error, "ctx", None)
     hint = f" (see '{context.command_path} --help')" if context is not None else ""
-    _say(f"error: {' '.join(error.format_message().split())}{hint}")  # type: ignore[attr-defined]
+    _say(f"error: {' '.join(error.format_message().split()).rstrip('.')}{hint}")  # type: ignore[attr-defined]
     return 2
 
 

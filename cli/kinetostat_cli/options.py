@@ -126,7 +126,11 @@ class ConfigurationOptions:
         ),
     ] = "zero"
     deg: Annotated[
-        bool, typer.Option("--deg", help="Read and show joint angles in degrees; JSON stays in radians.")
+        bool,
+        typer.Option(
+            "--deg",
+            help="Read and show joint angles in degrees, --qdot too. JSON, and a result read back, are in radians.",
+        ),
     ] = False
     quat: Annotated[Quaternion, typer.Option(help="Order in which quaternions of floating joints are read.")] = (
         Quaternion.XYZW

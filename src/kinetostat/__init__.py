@@ -3,7 +3,7 @@
     import kinetostat as ks
 
     panda = ks.load("example:panda")
-    q = ks.configuration(panda.robot, "random:1").q
+    q = ks.configuration(panda, "random:1").q
     result = ks.jacobian(panda, "panda_hand", q, reference="local")
     result.matrix, result.columns, result.certificate.max_difference
 

@@ -40,7 +40,7 @@ class Word(StrEnum):
 
     @classmethod
     def _missing_(cls, value: object) -> Word:
-        raise unknown_name(cls.__name__.lower(), str(value), cls)
+        raise unknown_name("kind" if cls is WrenchOrTwist else cls.__name__.lower(), str(value), cls)
 
 
 class Reference(Word):

@@ -178,7 +178,8 @@ def unknown_name(kind: str, name: str, known: Iterable[str], *, listing: str = "
 
     names = list(known)
     lowered = {n.lower(): n for n in names}
-    near = get_close_matches(name, names, n=3, cutoff=0.6)
+    near = [n for n in names if len(name) > 2 and n.lower().startswith(name.lower())]
+    near += [n for n in get_close_matches(name, names, n=3, cutoff=0.6) if n not in near]
     near += [lowered[n] for n in get_close_matches(name.lower(), lowered, n=3, cutoff=0.6) if lowered[n] not in near]
     near += [n for n in names if len(name) > 2 and name.lower() in n.lower() and n not in near]
     if near:

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -39,7 +40,7 @@ USAGE = {
     "six-vector of five": (("adjoint", *PANDA, "--apply", "1,2,3,4,5"), "--apply takes 6"),
     "no such sequence": (("jacobian", *PANDA, "--rates", "zyw"), "no Euler sequence 'zyw'"),
     "sequence that repeats": (("jacobian", *PANDA, "--rates", "zzx"), "neighbours must differ"),
-    "rates in other axes": (("jacobian", *PANDA, "--rates", "rpy", "--reference", "local"), "reference aligned"),
+    "rates in other axes": (("jacobian", *PANDA, "--rates", "rpy", "--reference", "local"), "leave out --reference"),
     "rates that do not exist": (
         ("jacobian", "example:panda", "-f", "panda_link1", "--rates", "zyz"),
         "a singularity of the angles",
@@ -145,6 +146,38 @@ def test_too_large_a_robot_is_refused(cli, arm):
     for answer in (cli("fk", arm, "--max-bytes", 100), cli("fk", "-", "--max-bytes", 100, stdin=arm.read_bytes())):
         assert answer.code == 3
         assert "more than 100 bytes" in only_line(answer)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+@pytest.mark.parametrize("redirected", [True, False])
+def test_a_full_disk_is_no_bug_of_ours(redirected):
+    with Path("/dev/full").open("w") as full:
+        more = [] if redirected else ["-o", "/dev/full"]
+        run = subprocess.run(command("robots", *more), stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert run.returncode == 2
+    assert "No space left on device" in run.stderr
+    assert len(run.stderr.splitlines()) == 1
+
+
+def test_a_state_that_names_a_lost_joint_warns(cli, arm, tmp_path):
+    srdf = tmp_path / "arm.srdf"
+    srdf.write_text(
+        '<robot name="arm"><group_state name="s" group="g"><joint name="elbo" value="1"/></group_state></robot>'
+    )
+    answer = cli("fk", arm, "--srdf", srdf, "-q", "s")
+    assert answer.code == 0
+    assert "state 's' sets joint 'elbo', which the robot does not have" in answer.err
+
+
+def test_a_robot_is_no_srdf(cli, arm):
+    answer = cli("fk", arm, "--srdf", arm)
+    assert answer.code == 3
+    assert "this is a robot, not an SRDF" in only_line(answer)
+
+
+def test_a_robot_asked_for_without_its_scheme_is_recognised(cli):
+    assert "did you mean example:panda?" in only_line(cli("fk", "panda"))
+    assert "did you mean 'ur5_" in only_line(cli("fk", "example:ur5"))
 
 
 def test_output_goes_to_a_file_whole(cli, arm, tmp_path):

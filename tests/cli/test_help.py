@@ -54,6 +54,13 @@ COMPLETIONS = {
     "states": ("kinetostat fk example:panda -q def", {"default"}),
     "joint values": ("kinetostat fk example:panda -q panda_joint7", {"panda_joint7="}),
     "example robots": ("kinetostat fk example:pan", {"example:panda", "example:panda_collision"}),
+    "Euler sequences": ("kinetostat jacobian x --rates fixed-zy", {"fixed-zyx", "fixed-zyz"}),
+    "robots, bash breaking words at colons": ("kinetostat fk example : pan", {"panda", "panda_collision"}),
+    "robots of a scheme, likewise": (
+        "kinetostat fk textbook : planar_2",
+        {"planar_2r", "planar_2r_6_3", "planar_2r_isotropic"},
+    ),
+    "frames of a robot with a colon": ("kinetostat fk example : panda -f panda_h", {"panda_hand", "panda_hand_tcp"}),
     "nothing of a robot that is not there": ("kinetostat fk nowhere.urdf -f x", set()),
 }
 

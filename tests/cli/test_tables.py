@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 
 import pytest
 
@@ -53,7 +54,7 @@ def test_a_jacobian_says_its_label_units_joints_and_certificate(cli):
 def test_degrees_are_shown_for_angles_only(cli, arm):
     text = cli("jacobian", arm, "-q", "shoulder=45,slide=0.25", "--deg").out
     row = next(line for line in text.splitlines() if line.startswith("q"))
-    assert row.split() == ["q", "deg", "45.00000", "0.25000"]
+    assert row.split() == ["q", "deg|m", "45.00000", "0.25000"]
     assert "\nrpy deg" in cli("fk", arm, "--deg").out
     assert "\nrpy rad" in cli("fk", arm).out
 
@@ -92,6 +93,33 @@ def test_csv_of_a_placement_is_one_row_of_numbers(cli):
         "yaw [rad]",
     ]
     assert [float(cell) for cell in row[2:]] == [*exact["position"], *exact["quaternion_xyzw"], *exact["rpy"]]
+
+
+def test_csv_holds_what_was_asked_for_besides_the_matrix(cli):
+    arm = ("textbook:planar_2r", "-q", "0.3,0.7")
+    rows = list(csv.reader(io.StringIO(cli("jacobian", *arm, "--qdot", "1,2", "-F", "csv").out)))
+    exact = cli("jacobian", *arm, "--qdot", "1,2", "-F", "json").json["result"]
+    assert [row[0] for row in rows[7:]] == [f"d{name}/dt" for name in exact["rows"]]
+    assert [[float(cell) + 0.0 for cell in row[2:]] for row in rows[7:]] == exact["time_derivative"]
+    rows = list(csv.DictReader(io.StringIO(cli("adjoint", *arm, "--apply", "1,2,3,4,5,6", "-F", "csv").out)))
+    applied = cli("adjoint", *arm, "--apply", "1,2,3,4,5,6", "-F", "json").json["result"]["applied"]
+    assert [float(row["given"]) for row in rows] == [1, 2, 3, 4, 5, 6]
+    assert [float(row["applied"]) + 0.0 for row in rows] == applied
+
+
+def test_a_table_says_at_which_configuration(cli, arm):
+    assert "\nat shoulder 0.3 (m, rad; others zero)\n" in cli("fk", arm, "-q", "shoulder=0.3").out
+    assert "\nat zero (angles in rad)\n" in cli("adjoint", arm).out
+    floating = cli("jacobian", arm, "--base", "floating", "-q", "root_joint=1 2 3 0 0 0.6 0.8,shoulder=0.2").out
+    assert "at root_joint 1 2 3 0 0 0.6 0.8, shoulder 0.2" in floating
+
+
+def test_analytic_jacobians_say_their_angles(cli):
+    wrist = ("jacobian", "textbook:wrist_zyz", "-q", "0.3,-0.8,-0.2", "--rates", "zyz")
+    angles = cli(*wrist, "-F", "json").json["result"]["rates"]
+    assert angles["angles"] == ["z1", "y2", "z3"]
+    assert angles["values"] == pytest.approx([0.3 - math.pi, 0.8, -0.2 + math.pi], abs=1e-14)
+    assert "angles: z1 -2.84159, y2 0.8, z3 2.94159 rad" in cli(*wrist).out
 
 
 def test_csv_of_frames_and_joints_are_tables(cli):

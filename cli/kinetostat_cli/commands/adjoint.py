@@ -69,7 +69,7 @@ def adjoint(
     write_answer(
         Answer(
             "adjoint",
-            lambda: adjoint_view(result, applied, order=rows),
+            lambda: adjoint_view(result, q, given, applied, order=rows, degrees=at.deg),
             lambda: adjoint_result(result, given, applied, rows),
             model,
             q,

@@ -40,7 +40,9 @@ def fk(
     q = configuration(model, at)
     result = kinetostat.fk(model, tip, q.q, relative_to=relative_to)
     write_answer(
-        Answer("fk", lambda: fk_view(result, degrees=at.deg), lambda: fk_result(result), model, q, result.certificate),
+        Answer(
+            "fk", lambda: fk_view(result, q, degrees=at.deg), lambda: fk_result(result), model, q, result.certificate
+        ),
         output,
     )
 

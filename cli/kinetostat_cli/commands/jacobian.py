@@ -66,7 +66,9 @@ def jacobian(
     rates: Annotated[
         str | None,
         typer.Option(
-            metavar="SEQUENCE", help="Analytic Jacobian: rates of rpy, zyz, zyx, ... (intrinsic) or fixed-xyz, ..."
+            metavar="SEQUENCE",
+            help="Analytic Jacobian: rates of rpy, of zyz, zyx, ... (intrinsic, 12 of them) or fixed-xyz, ...",
+            autocompletion=completion.sequences,
         ),
     ] = None,
     qdot: Annotated[

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetostat.conventions import Array
+from kinetostat.engines.model import Model
 from kinetostat.errors import ConfigurationError, UnknownNameError, quote, unknown_name
 from kinetostat.urdf.description import Joint, JointType, Robot
 from kinetostat.urdf.srdf import Semantics
@@ -17,6 +18,8 @@ __all__ = ["Configuration", "configuration", "joint_rates", "random_configuratio
 
 Value = float | Sequence[float]
 
+LARGEST_ANGLE = 1e6  # rad: beyond it an angle has lost its last digits, and a certificate its meaning
+LARGEST_LENGTH = 1e12  # m
 _NO_LIMIT = 1e6  # rad or m: a larger one is written for "none"
 _SHORTEST_QUATERNION = 1e-9
 _LIMIT_SLACK = 1e-9  # a limit typed with ten digits is not exceeded by its own rounding
@@ -40,7 +43,7 @@ class Configuration:
 
 
 def configuration(
-    robot: Robot,
+    model: Model | Robot,
     wanted: str | Mapping[str, Value] | Sequence[float] | Array = "zero",
     *,
     semantics: Semantics | None = None,
@@ -50,10 +53,10 @@ def configuration(
     """Return a configuration.
 
     Args:
-        robot: whose.
+        model: whose: a model, which knows its SRDF states, or the description of a robot.
         wanted: `zero`, `mid` (middle of limits), `random:SEED` (inside limits), the name of an SRDF group state,
             `j1=0.3,j2=-1.2` (others zero), an ordered list in file order, or the mapping or sequence that these mean.
-        semantics: the SRDF, for group states.
+        semantics: another SRDF for group states than the model's own.
         degrees: numbers given for angles of joints are in degrees (those of an SRDF never are).
         quaternion_first: "x" if quaternions are given as xyzw, "w" if as wxyz.
 
@@ -61,6 +64,9 @@ def configuration(
         ConfigurationError: wrong length, not finite, a value for a fixed or a follower joint.
         UnknownNameError: no such joint or state.
     """
+    robot, warnings = _robot(model), list[str]()
+    if semantics is None:
+        semantics = model.semantics if isinstance(model, Model) else Semantics()
     if not isinstance(wanted, str):
         q = _from_values(robot, wanted, degrees, quaternion_first)
     elif wanted == "zero":
@@ -72,19 +78,23 @@ def configuration(
     else:
         values = _parse(wanted)
         if values is None:
-            q = _from_state(robot, semantics or Semantics(), wanted)
+            q = _from_state(robot, semantics, wanted, warnings)
         else:
             q = _from_values(robot, values, degrees, quaternion_first)
-    return Configuration(robot, q, tuple(_outside_limits(robot, q)))
+    return Configuration(robot, q, (*warnings, *_outside_limits(robot, q)))
+
+
+def _robot(model: Model | Robot) -> Robot:
+    return model.robot if isinstance(model, Model) else model
 
 
 def joint_rates(
-    robot: Robot, wanted: str | Mapping[str, Value] | Sequence[float] | Array, *, degrees: bool = False
+    model: Model | Robot, wanted: str | Mapping[str, Value] | Sequence[float] | Array, *, degrees: bool = False
 ) -> Array:
     """Return joint rates (nv,) in m/s and rad/s.
 
     Args:
-        robot: whose.
+        model: whose: a model, or the description of a robot.
         wanted: `j1=0.3,j2=-1.2` (others zero), an ordered list in file order, or the mapping or sequence they mean.
         degrees: rates given for angles of joints are in degrees per second.
 
@@ -92,6 +102,7 @@ def joint_rates(
         ConfigurationError: wrong length, not finite, a rate for a fixed or a follower joint.
         UnknownNameError: no such joint.
     """
+    robot = _robot(model)
     values = _parse(wanted) if isinstance(wanted, str) else wanted
     if values is None:
         raise ConfigurationError(
@@ -113,10 +124,15 @@ def checked(robot: Robot, q: Array) -> Array:
     """Return configurations (..., nq) as an array of numbers that an engine can take.
 
     Raises:
-        ConfigurationError: another count of positions, one that is not finite, a quaternion of length zero.
+        ConfigurationError: another count of positions, one that is not finite or beyond 1e6 rad or 1e12 m, a
+            quaternion of length zero.
     """
     q = _numbers(q, robot.nq, "position")
     for joint in robot.independent:
+        largest = LARGEST_ANGLE if joint.type.is_angle else LARGEST_LENGTH
+        if np.any(np.abs(q[..., robot.position_slices[joint.name]]) > largest):
+            unit = "rad" if joint.type.is_angle else "m"
+            raise ConfigurationError(f"joint {quote(joint.name)} is beyond {largest:g} {unit}", remedy="check the unit")
         if joint.type is JointType.FLOATING:
             rotation = q[..., robot.position_slices[joint.name]][..., 3:]
             if np.any(np.linalg.norm(rotation, axis=-1) < _SHORTEST_QUATERNION):
@@ -124,13 +140,22 @@ def checked(robot: Robot, q: Array) -> Array:
     return q
 
 
-def checked_rates(robot: Robot, qdot: Array) -> Array:
+def checked_rates(robot: Robot, qdot: Array, shape: tuple[int, ...]) -> Array:
     """Return joint rates (..., nv) as an array of numbers that an engine can take.
 
     Raises:
-        ConfigurationError: another count of rates, or one that is not finite.
+        ConfigurationError: another count of rates, one that is not finite or beyond 1e12, or a leading shape that does
+            not go with that of the configurations.
     """
-    return _numbers(qdot, robot.nv, "rate")
+    rates = _numbers(qdot, robot.nv, "rate")
+    if np.any(np.abs(rates) > LARGEST_LENGTH):
+        raise ConfigurationError(f"a rate is beyond {LARGEST_LENGTH:g}", remedy="check the unit")
+    try:
+        np.broadcast_shapes(rates.shape[:-1], shape)
+    except ValueError:
+        message = f"rates of shape {rates.shape} do not go with configurations of leading shape {shape}"
+        raise ConfigurationError(message) from None
+    return rates
 
 
 def _numbers(values: Array, count: int, what: str) -> Array:
@@ -154,17 +179,18 @@ def neutral(robot: Robot) -> Array:
     return q
 
 
-def random_configurations(robot: Robot, seed: int, shape: tuple[int, ...] = ()) -> Array:
+def random_configurations(model: Model | Robot, seed: int, shape: int | tuple[int, ...] = ()) -> Array:
     """Return configurations drawn uniformly inside limits, those of followers too. (*shape, nq).
 
     Angles without limits are drawn from a whole turn, lengths without limits within 1 m of zero or of their one limit,
     rotations of floating joints uniformly (K. Shoemake, "Uniform random rotations", 1992).
 
     Args:
-        robot: whose.
+        model: whose: a model, or the description of a robot.
         seed: the same seed gives the same configurations.
         shape: the leading shape of the batch.
     """
+    robot, shape = _robot(model), (shape,) if isinstance(shape, int) else shape
     generator = np.random.default_rng(seed)
     q = np.empty((*shape, robot.nq))
     for joint in robot.independent:
@@ -186,7 +212,7 @@ def _middle(robot: Robot) -> Array:
     q = neutral(robot)
     for joint in robot.independent:
         if joint.type.nq == 1:
-            lower, upper = joint.limit.range
+            lower, upper = _stated(joint)
             middle = (lower + upper) / 2 if math.isfinite(upper - lower) else min(max(0.0, lower), upper)
             q[robot.position_slices[joint.name].start] = middle
     return q
@@ -204,9 +230,9 @@ def _range_with_followers(robot: Robot, joint: Joint) -> tuple[float, float]:
 
 def _bounded(joint: Joint) -> tuple[float, float]:
     """Return ends to draw between; a missing limit (or 1e308, which means the same) is half a turn or 1 m away."""
-    lower, upper = joint.limit.range
+    lower, upper = _stated(joint)
     half = math.pi if joint.type.is_angle else 1.0
-    below, above = lower > -_NO_LIMIT, upper < _NO_LIMIT
+    below, above = math.isfinite(lower), math.isfinite(upper)
     if below and above:
         return lower, upper
     if below:
@@ -214,10 +240,16 @@ def _bounded(joint: Joint) -> tuple[float, float]:
     return (upper - half, upper) if above else (-half, half)
 
 
+def _stated(joint: Joint) -> tuple[float, float]:
+    """Return the range of a joint, infinite where it is so large that it was written for "none"."""
+    lower, upper = joint.limit.range
+    return (lower if abs(lower) < _NO_LIMIT else -math.inf), (upper if abs(upper) < _NO_LIMIT else math.inf)
+
+
 def _seed(wanted: str) -> int:
     text = wanted.partition(":")[2]
     if not (text.isascii() and text.isdigit()):
-        raise ConfigurationError(f"{quote(wanted)} has no seed", remedy="write random:0, or another whole number")
+        raise ConfigurationError(f"{quote(wanted)} has no seed", remedy="write random:0, or another number from 0 on")
     return int(text)
 
 
@@ -228,9 +260,12 @@ def _parse(text: str) -> dict[str, Value] | list[float] | None:
         values: dict[str, Value] = {}
         for part in parts:
             name, equals, number = part.rpartition("=")
-            numbers = [_number(word, name) for word in number.split()]
+            numbers = [_number(word) for word in number.split()]
             if not equals or not numbers:
-                raise ConfigurationError(f"{quote(part)} is not of the form joint=value", remedy="write j1=0.3,j2=-1.2")
+                raise ConfigurationError(
+                    f"{quote(part)} is not of the form joint=value",
+                    remedy="write j1=0.3,j2=-1.2; or j=x y z with blanks, where a joint has several",
+                )
             if name.strip() in values:
                 raise ConfigurationError(f"joint {quote(name.strip())} is given twice")
             values[name.strip()] = numbers[0] if len(numbers) == 1 else numbers
@@ -241,15 +276,15 @@ def _parse(text: str) -> dict[str, Value] | list[float] | None:
     except ValueError:
         if len(words) > 1 and "," in text:
             for word in words:
-                _number(word, "the list")
+                _number(word)
         return None
 
 
-def _number(word: str, where: str) -> float:
+def _number(word: str) -> float:
     try:
         return float(word)
     except ValueError:
-        raise ConfigurationError(f"{quote(where)}: {quote(word)} is not a number") from None
+        raise ConfigurationError(f"{quote(word)} is not a number", remedy="write numbers such as 1.5708") from None
 
 
 def _from_values(
@@ -314,6 +349,10 @@ def _fill(
     return vector
 
 
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what} is" if count == 1 else f"{count} {what}s are"
+
+
 def printable_names(names: Sequence[str], longest: int = 12) -> list[str]:
     """Return names quoted for a message, the first dozen."""
     return [quote(name)[1:-1] for name in names[:longest]] + (["..."] if len(names) > longest else [])
@@ -334,7 +373,7 @@ def _settable(robot: Robot, name: str, names: list[str]) -> str:
     return name
 
 
-def _from_state(robot: Robot, semantics: Semantics, name: str) -> Array:
+def _from_state(robot: Robot, semantics: Semantics, name: str, warnings: list[str]) -> Array:
     """Return the configuration of an SRDF state. It may name followers and a floating base; those go their own way."""
     try:
         positions = semantics.state(name)
@@ -342,6 +381,9 @@ def _from_state(robot: Robot, semantics: Semantics, name: str) -> Array:
         known = ["zero", "mid", "random:SEED", *semantics.state_names()]
         hint = error.remedy if semantics.states else f"write {', '.join(known)}, joint=value,... or a list"
         raise UnknownNameError(f"there is no configuration {quote(name)}", remedy=hint) from None
+    # Several values are those of a floating base, which a state may hold for when there is one.
+    lost = [joint for joint, found in positions.items() if joint not in robot.joint_by_name and len(found) == 1]
+    warnings += [f"state {quote(name)} sets joint {quote(joint)}, which the robot does not have" for joint in lost]
     settable = {joint.name for joint in robot.independent}
     values: dict[str, Value] = {
         joint: found[0] if len(found) == 1 else found for joint, found in positions.items() if joint in settable

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from kinetostat.analysis.configuration import checked, checked_rates
+from kinetostat.analysis.configuration import LARGEST_LENGTH, checked, checked_rates
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.euler import EulerSequence
 from kinetostat.conventions import TWIST_ROWS, TWIST_UNITS, Array, Reference, Velocity
@@ -37,6 +37,7 @@ class Jacobian:
         matrix: J, (..., 6, n).
         time_derivative: dJ/dt along the given joint rates, (..., 6, n), or None.
         rates: the Euler sequence of the analytic Jacobian, or None.
+        angles: its angles at q, (..., 3) in rad, the second in [0, pi] (zyz) or [-pi/2, pi/2] (zyx); or None.
         certificate: what the two engines say of it.
         warnings: what is to be said of it.
     """
@@ -50,6 +51,7 @@ class Jacobian:
     matrix: Array
     time_derivative: Array | None
     rates: EulerSequence | None
+    angles: Array | None
     certificate: Certificate
     warnings: tuple[str, ...] = ()
 
@@ -93,7 +95,7 @@ def jacobian(
         ConfigurationError: q or qdot has another shape, or a number that is not finite.
     """
     robot = model.robot
-    q, qdot = checked(robot, q), None if qdot is None else checked_rates(robot, qdot)
+    q, qdot = checked(robot, q), None if qdot is None else checked_rates(robot, qdot, np.shape(q)[:-1])
     reference, point = Reference(reference), None if point is None else _checked_point(point)
     observer = robot.frame(relative_to or robot.root)
     axes = None if expressed_in is None else robot.frame(expressed_in)
@@ -101,7 +103,8 @@ def jacobian(
     sequence = EulerSequence.named(rates) if isinstance(rates, str) else rates
     if sequence is not None and (reference is not Reference.ALIGNED or velocity.expressed_in != observer):
         raise UsageError(
-            "Euler rates are those of the frame in the observer's axes", remedy="use them with reference aligned alone"
+            "Euler rates are those of the frame in the observer's axes",
+            remedy="leave out --reference and --expressed-in",
         )
     chosen = _columns(robot, velocity, joints)
     columns = [i for joint in chosen for i in range(*robot.velocity_slices[joint.name].indices(robot.nv))]
@@ -114,12 +117,13 @@ def jacobian(
             geometric, rate = _analytic(sequence, rotation, geometric, rate, qdot)
         return geometric if rate is None else np.stack(np.broadcast_arrays(geometric, rate), -3)
 
-    scale, speed, warnings = length_scale(robot, q, point), 1.0, []
+    scale, speed, angles, warnings = length_scale(robot, q, point), 1.0, None, list[str]()
     if qdot is not None:
         folding = max((abs(law.multiplier) for law in robot.followers.values()), default=1.0)  # followers race
         speed = max(1.0, float(np.max(np.sum(np.abs(qdot), -1), initial=0.0)) * max(1.0, folding))
     if sequence is not None:
-        steepness = _steepness(model, velocity, q, sequence)
+        rotation = model.engine.placement(q, velocity.of, observer)[..., :3, :3]
+        angles, steepness = sequence.angles(rotation), _steepness(rotation, velocity.of, sequence)
         speed *= steepness ** (1 if qdot is None else 3)
         if steepness * _FAST_RATES > 1:
             warnings.append(
@@ -140,6 +144,7 @@ def jacobian(
         matrix,
         derivative,
         sequence,
+        angles,
         certificate,
         tuple(warnings),
     )
@@ -147,8 +152,10 @@ def jacobian(
 
 def _checked_point(point: Sequence[float]) -> tuple[float, float, float]:
     numbers = tuple(float(c) for c in point)
-    if len(numbers) != 3 or not np.all(np.isfinite(numbers)):
-        raise UsageError(f"a point has three finite coordinates, not {len(numbers)}: x, y, z in m")
+    if len(numbers) != 3 or not np.all(np.abs(numbers) <= LARGEST_LENGTH):
+        raise UsageError(
+            "a point has three finite coordinates x, y, z in m", remedy=f"each within {LARGEST_LENGTH:g} m"
+        )
     x, y, z = numbers
     return x, y, z
 
@@ -189,18 +196,17 @@ def _analytic(
     return analytic, np.concatenate([rate[..., :3, :], angular_rate], -2)
 
 
-def _steepness(model: Model, velocity: Velocity, q: Array, sequence: EulerSequence) -> float:
+def _steepness(rotation: Array, frame: str, sequence: EulerSequence) -> float:
     """Return 1/abs(det E), by which the rates outgrow the angular velocity.
 
     Raises:
         RepresentationError: E is singular.
     """
-    rotation = model.engine.placement(q, velocity.of, velocity.relative_to)[..., :3, :3]
-    determinant = float(np.min(sequence.singularity(rotation)))
+    determinant = float(np.min(sequence.singularity(rotation), initial=1.0))
     if determinant < _NO_RATES:
         where, others = ("0 or pi", "rpy or zyx") if sequence.proper else ("+pi/2 or -pi/2", "zyz")
         raise RepresentationError(
-            f"the angles {sequence.reading} of frame {quote(velocity.of)} have no rates here: their second angle is "
+            f"{sequence.reading} angles of frame {quote(frame)} have no rates here: the second angle is "
             f"{where}, a singularity of the angles and not of the robot",
             remedy=f"choose other angles ({others}), or the geometric Jacobian",
         )

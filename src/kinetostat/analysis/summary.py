@@ -13,6 +13,7 @@ from kinetostat.urdf.description import Inertial, Joint, JointType, Remark, Robo
 
 __all__ = ["Chain", "Summary", "summary"]
 
+_MANY_MESHES = 1000  # different names of meshes that are looked for
 _FEW = 3  # meshes named one by one; beyond it they are counted
 
 
@@ -150,12 +151,21 @@ def _lost_meshes(model: Model) -> list[Remark]:
     seen: dict[str, str | None] = {}
     for link in model.robot.links:
         for mesh in link.meshes:
+            if mesh.uri not in seen and len(seen) == _MANY_MESHES:
+                return [
+                    *_mesh_remarks(reasons),
+                    Remark(mesh.line, "<mesh>", f"only {_MANY_MESHES} names were looked for"),
+                ]
             if mesh.uri not in seen:
                 found = model.loaded.packages.resolve(mesh.uri)
                 seen[mesh.uri] = found if isinstance(found, str) else None
             reason = seen[mesh.uri]
             if reason is not None:
                 reasons.setdefault(reason, []).append((mesh.line, mesh.uri))
+    return _mesh_remarks(reasons)
+
+
+def _mesh_remarks(reasons: dict[str, list[tuple[int, str]]]) -> list[Remark]:
     remarks = []
     for reason, meshes in reasons.items():
         if len(meshes) > _FEW:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from kinetostat.engines.protocol import Engine
-from kinetostat.errors import DisagreementError
+from kinetostat.errors import DisagreementError, EngineError, quote
 from kinetostat.urdf.description import Robot
 from kinetostat.urdf.files import MAX_BYTES
 from kinetostat.urdf.loading import LoadedRobot, load_robot
@@ -18,7 +18,7 @@ from kinetostat.urdf.srdf import Semantics
 __all__ = ["Model", "load"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Model:
     """A robot as read, and the engines that answer for it. Engines are built when first asked.
 
@@ -33,6 +33,10 @@ class Model:
     robot: Robot
     floating_base: bool = False
     crosscheck: bool = True
+
+    def __repr__(self) -> str:
+        size = f"{len(self.robot.links)} links, {self.robot.nv} degrees of freedom"
+        return f"<Model {quote(self.loaded.source.name)}: {size}>"
 
     def __getstate__(self) -> dict[str, object]:
         # Engines hold foreign data that does not travel; the process that unpickles builds its own.
@@ -52,7 +56,11 @@ class Model:
         """
         from kinetostat.engines.pinocchio import PinocchioEngine
 
-        return PinocchioEngine(self.loaded.text, floating_base=self.floating_base)
+        try:
+            return PinocchioEngine(self.loaded.text, floating_base=self.floating_base)
+        except EngineError as error:
+            error.file = self.loaded.source.name
+            raise
 
     @cached_property
     def witness(self) -> Engine | None:

@@ -358,7 +358,7 @@ def _translated(what: str) -> Iterator[None]:
             written.seek(0)
             lines = [line.strip() for line in written.read().decode("utf-8", "replace").splitlines()]
             said = " ".join(line for line in lines if line and not line.startswith("at line"))
-            reason = printable(said or " ".join(str(error).split()))[:300]
+            reason = printable(said or " ".join(str(error).split()) or type(error).__name__)[:300]
             raise EngineError(f"Pinocchio ({what}) refuses the robot: {reason}") from error
         finally:
             os.dup2(kept, 2)

@@ -102,7 +102,12 @@ def jacobian_result(result: Jacobian, order: Order) -> Json:
     if velocity.point is None:
         payload["point_reason"] = "reference world: the point of the frame at the observer's origin"
     if result.rates is not None:
-        payload["rates"] = {"sequence": result.rates.reading, "angles": list(result.rates.angle_names)}
+        values = None if result.angles is None else _nested(result.angles)
+        payload["rates"] = {
+            "sequence": result.rates.reading,
+            "angles": list(result.rates.angle_names),
+            "values": values,
+        }
     if result.time_derivative is not None:
         payload["time_derivative"] = _nested(result.time_derivative[..., rows, :])
     return payload
@@ -117,6 +122,7 @@ def adjoint_result(result: FrameChange, given: Array | None, applied: Array | No
         "kind": result.kind.value,
         "order": order.value,
         "rows": [result.kind.rows[i] for i in rows],
+        "row_units": [result.kind.units[i] for i in rows],
         "matrix": _nested(result.matrix[..., rows, :][..., rows]),
         "given": None if given is None else _nested(given[..., rows]),
         "applied": None if applied is None else _nested(applied[..., rows]),

@@ -14,18 +14,22 @@ WIDTH = 80
 _NUMBER_WIDTH = 8
 _GAP = 1
 _NARROWEST = 6
+_LONGEST_NAME = 64
+_NOISE = 1e-12  # what is left of a zero, in m and rad
+_TALLEST = 200  # rows of a table of words
 
 
 def render(view: View) -> str:
     """Return the view as text. Whatever comes from a robot file is made printable."""
-    blocks = [view.title]
+    blocks = ["\n".join(line for part in view.title.splitlines() for line in textwrap.wrap(part, WIDTH))]
     if view.drawing:
         blocks.append("\n".join(printable(line) for line in view.drawing))
     for table in view.tables:
         body = _words(table) if table.words else _numbers(table)
         blocks.append(f"{table.title}\n{body}" if table.title else body)
     if view.notes:
-        blocks.append("\n".join(printable(line) for line in view.notes))
+        notes = [part for line in view.notes for part in textwrap.wrap(printable(line), WIDTH)]
+        blocks.append("\n".join(notes))
     return "\n\n".join(blocks) + "\n"
 
 
@@ -37,12 +41,12 @@ def _numbers(table: Table) -> str:
     labels = min((i for row in table.rows for i, cell in enumerate(row) if isinstance(cell, float)), default=1)
     form = _form([cell for row in table.rows for cell in row if isinstance(cell, float)])
     rows = [[_shown(cell, form) for cell in row] + [""] * (len(table.header) - len(row)) for row in table.rows]
-    names = [printable(name) for name in table.header]
+    names = [_cut(printable(name), _LONGEST_NAME) for name in table.header]
     units = list(table.units) or [""] * len(names)
     label_widths = [max(len(row[i]) for row in [names, units, *rows]) for i in range(labels)]
     width = max([_NUMBER_WIDTH, *(len(row[i]) for row in [units, *rows] for i in range(labels, len(names)))])
     left = sum(w + _GAP for w in label_widths)
-    per_block = max(1, (WIDTH - left) // (width + _GAP))
+    per_block = max(1, (WIDTH - left + _GAP) // (width + _GAP))
     blocks = []
     for start in range(labels, max(len(names), labels + 1), per_block):
         block = range(start, min(start + per_block, len(names)))
@@ -76,13 +80,13 @@ def _line(labels: Sequence[str], label_widths: Sequence[int], cells: Sequence[st
 def _form(values: Sequence[float]) -> str:
     """Return the format that shows all of them: fixed point, or exponents where that would hide digits."""
     largest = max((abs(v) for v in values), default=0.0)
-    return ".2e" if largest >= 1e4 or 0 < largest < 1e-3 else ".4f" if largest >= 100 else ".5f"
+    return ".4e" if largest >= 1e4 or 0 < largest < 1e-3 else ".4f" if largest >= 100 else ".5f"
 
 
 def _shown(cell: Cell, form: str) -> str:
+    """Return a cell as text. Rounding noise is 0; what is small but no noise keeps its zeros: 0.00000."""
     if isinstance(cell, float):
-        text = format(cell, form)
-        return text if any(c in "123456789" for c in text.partition("e")[0]) else "0"
+        return "0" if abs(cell) < _NOISE else format(cell, form)
     return "-" if cell is None else printable(cell)
 
 
@@ -101,7 +105,7 @@ def _broken(name: str, width: int) -> list[str]:
 
 
 def _words(table: Table) -> str:
-    rows = [[_shown(cell, ".5g") for cell in row] for row in table.rows]
+    rows = [[_shown(cell, ".5g") for cell in row] for row in table.rows[:_TALLEST]]
     header = list(table.header)
     widths = [max(len(row[i]) for row in [header, *rows]) for i in range(len(header))]
     last_room = min(widths[-1], 30)
@@ -114,6 +118,8 @@ def _words(table: Table) -> str:
         left = "".join(_cut(cell, w).ljust(w + 2) for cell, w in zip(row[:-1], widths[:-1], strict=True))
         lines.append((left + folded[0]).rstrip())
         lines += [" " * len(left) + more for more in folded[1:]]
+    if len(table.rows) > _TALLEST:
+        lines.append(f"... and {len(table.rows) - _TALLEST} more (JSON and CSV have all of them)")
     return "\n".join(lines)
 
 

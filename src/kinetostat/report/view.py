@@ -37,6 +37,7 @@ __all__ = [
 Cell = str | float | None
 
 _TOO_TALL = 400  # rows of a drawn tree
+_MANY_CHAINS = 200
 
 
 @dataclass(frozen=True)
@@ -109,11 +110,18 @@ def jacobian_view(result: Jacobian, at: Configuration, *, order: Order, degrees:
     tables = [flat]
     positions = _positions(at, result.columns, degrees)
     if positions is not None:
-        tables = [replace(flat, rows=(("q", "deg" if degrees else "", *positions), *flat.rows))]
+        tables = [replace(flat, rows=(("q", _angle_and_length(at, result.columns, degrees), *positions), *flat.rows))]
     if result.time_derivative is not None:
         rows = _matrix_rows(result, result.time_derivative, order, per_second=True)
         tables.append(Table(header, rows, units, title="its time derivative along the given joint rates"))
-    notes = () if result.columns else ("no joint moves this frame relative to the observer",)
+        flat = replace(flat, rows=(*flat.rows, *((f"d{row[0]}/dt", *row[1:]) for row in rows)))
+    notes: tuple[str, ...] = () if result.columns else ("no joint moves this frame relative to the observer",)
+    if result.rates is not None and result.angles is not None:
+        values = np.degrees(result.angles) if degrees else result.angles
+        named = ", ".join(f"{name} {value:.6g}" for name, value in zip(result.rates.angle_names, values, strict=True))
+        notes += (f"angles: {named} {'deg' if degrees else 'rad'}",)
+    if any(joint.type.nq > 1 for joint in at.robot.independent):
+        notes += (configuration_note(at, degrees),)
     return View(f"{kind} {velocity_label(result.velocity)}", tuple(tables), notes, flat=flat)
 
 
@@ -136,11 +144,34 @@ def _positions(at: Configuration, columns: Sequence[str], degrees: bool) -> list
             found.append("")
             continue
         value = float(at.q[at.robot.position_slices[name].start])
-        found.append(math.degrees(value) if degrees and joint.type.is_angle else value)
+        value = math.degrees(value) if degrees and joint.type.is_angle else value
+        # Words, not numbers: a large position does not coarsen the format of the matrix below it.
+        found.append(f"{value:.5f}" if abs(value) < 1000 else f"{value:.6g}")
     return found if columns else None
 
 
-def fk_view(result: Placement, *, degrees: bool) -> View:
+def _angle_and_length(at: Configuration, columns: Sequence[str], degrees: bool) -> str:
+    """Return the unit of the positions above a Jacobian; two where there are angles and lengths."""
+    joints = [at.robot.joint_by_name[name] for name in columns if name in at.robot.joint_by_name]
+    angles = any(joint.type.is_angle for joint in joints)
+    lengths = any(joint.type is JointType.PRISMATIC for joint in joints)
+    return "|".join(unit for unit, used in (("deg" if degrees else "rad", angles), ("m", lengths)) if used)
+
+
+def configuration_note(at: Configuration, degrees: bool) -> str:
+    """Return the configuration in words: the positions that are not zero."""
+    parts = []
+    for joint in at.robot.independent:
+        values = at.q[at.robot.position_slices[joint.name]]
+        at_rest = [0.0] * 6 + [1.0] if joint.type is JointType.FLOATING else [0.0] * joint.type.nq
+        if np.any(values != at_rest):
+            factor = 180 / math.pi if degrees and joint.type.is_angle else 1.0
+            parts.append(f"{_name(joint.name)} {' '.join(f'{float(value) * factor:.6g}' for value in values)}")
+    unit = "deg" if degrees else "rad"
+    return f"at zero (angles in {unit})" if not parts else f"at {', '.join(parts)} (m, {unit}; others zero)"
+
+
+def fk_view(result: Placement, at: Configuration, *, degrees: bool) -> View:
     """Return the view of a placement."""
     angles = np.degrees(result.rpy) if degrees else result.rpy
     x, y, z = (float(c) for c in result.position)
@@ -159,21 +190,28 @@ def fk_view(result: Placement, *, degrees: bool) -> View:
         ("", "", "m", "m", "m", "", "", "", "", unit, unit, unit),
     )
     title = f"{_name(result.frame)} relative to {_name(result.relative_to)}"
-    return View(title, (position, turned, quaternion, matrix), flat=flat)
+    return View(title, (position, turned, quaternion, matrix), (configuration_note(at, degrees),), flat=flat)
 
 
-def adjoint_view(result: FrameChange, applied: Array | None, *, order: Order) -> View:
+def adjoint_view(
+    result: FrameChange, at: Configuration, given: Array | None, applied: Array | None, *, order: Order, degrees: bool
+) -> View:
     """Return the view of a frame change; rows and columns, and the applied six-vector, in the given order."""
     names, units = result.kind.rows, result.kind.units
     rows: list[tuple[Cell, ...]] = [
         (names[i], units[i], *(float(result.matrix[i, j]) for j in order.rows)) for i in order.rows
     ]
     header = ("", "unit", *(names[j] for j in order.rows))
-    tables = [Table(header, tuple(rows), ("", "", *(units[j] for j in order.rows)))]
-    if applied is not None:
-        carried = tuple((names[i], units[i], float(applied[i])) for i in order.rows)
-        tables.append(Table(("", "unit", "value"), carried, title=f"the given {result.kind} in {_name(result.end)}"))
-    return View(f"6x6 that carries a {result.kind} in {_name(result.start)} to {_name(result.end)}", tuple(tables))
+    flat = Table(header, tuple(rows), ("", "", *(units[j] for j in order.rows)))
+    tables = [flat]
+    if given is not None and applied is not None:
+        carried: list[tuple[Cell, ...]] = [(names[i], units[i], float(given[i]), float(applied[i])) for i in order.rows]
+        ends = f"in {_name(result.start)}", f"in {_name(result.end)}"
+        tables.append(Table(("", "unit", *ends), tuple(carried), title=f"the given {result.kind}, and carried"))
+        both = tuple((*row, *more[2:]) for row, more in zip(flat.rows, carried, strict=True))
+        flat = Table((*flat.header, "given", "applied"), both, (*flat.units, "", ""))
+    title = f"6x6 that carries a {result.kind} in {_name(result.start)} to {_name(result.end)}"
+    return View(title, tuple(tables), (configuration_note(at, degrees),), flat=flat)
 
 
 def frames_view(robot: Robot) -> View:
@@ -206,7 +244,7 @@ def info_view(result: Summary, *, degrees: bool) -> View:
     )
     tables = [_joint_table(robot, degrees)]
     followers: tuple[tuple[Cell, ...], ...] = tuple((j.name, _law(j)) for j in robot.joints if j.mimic is not None)
-    chains = tuple((c.tip, str(len(c.joints)), " ".join(c.joints)) for c in result.chains)
+    chains = tuple((c.tip, str(len(c.joints)), " ".join(c.joints)) for c in result.chains[:_MANY_CHAINS])
     groups = tuple((name, str(len(joints)), " ".join(joints)) for name, joints in result.groups.items())
     states = tuple((state,) for state in result.states)
     remarks = tuple((str(r.line) if r.line else "", r.element, r.text) for r in result.remarks)
@@ -214,7 +252,7 @@ def info_view(result: Summary, *, degrees: bool) -> View:
         Table(header, rows, title=title, words=True)
         for title, header, rows in (
             ("followers", ("joint", "position"), followers),
-            ("chains", ("tip", "joints", "in path order"), chains),
+            (_title_of_chains(result), ("tip", "joints", "in path order"), chains),
             ("SRDF groups", ("group", "joints", "named"), groups),
             ("SRDF states, for --config", ("state",), states),
             ("what is odd about the file", ("line", "element", "remark"), remarks),
@@ -223,6 +261,12 @@ def info_view(result: Summary, *, degrees: bool) -> View:
     ]
     notes = () if remarks else ("nothing is odd about the file",)
     return View(title, tuple(tables), notes, tree_lines(robot))
+
+
+def _title_of_chains(result: Summary) -> str:
+    if len(result.chains) <= _MANY_CHAINS:
+        return "chains"
+    return f"the first {_MANY_CHAINS} of {len(result.chains)} chains (JSON has all of them)"
 
 
 def _joint_table(robot: Robot, degrees: bool) -> Table:
@@ -268,7 +312,7 @@ def tree_lines(robot: Robot) -> tuple[str, ...]:
         joint, indent, last = stack.pop()
         lines.append(f"{indent}{'`-' if last else '|-'} {_name(joint.child)}  ({_name(joint.name)}, {_kind(joint)})")
         below = robot.child_joints[joint.child]
-        inner = indent + ("   " if last else "|  ")
+        inner = indent + ("  " if last else "| ")
         stack += [(child, inner, i == len(below) - 1) for i, child in enumerate(below)][::-1]
     return tuple(lines)
 

@@ -8,6 +8,8 @@ number from them by itself. What is left out or mended does not bear on a number
 - white space in an attribute: urdfdom splits at single spaces only;
 - an inertial that lacks its mass or a moment, which the reader does not count;
 - limits, which urdfdom refuses when they are incomplete or infinite: each is replaced by an empty one;
+- the axis of a joint that has none (fixed, floating);
+- the name `universe` of a fixed joint, for which Pinocchio drops the mass of its child;
 - a missing robot name, and a version not of the form "1.0";
 - Drake's screw joint, which urdfdom does not know: it is written as a revolute joint with its pitch inside.
 """
@@ -25,7 +27,8 @@ SCREW_PITCH = "screw_thread_pitch"
 _NAMES = frozenset({"name", "link", "joint", "type"})
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _INERTIAL_PARTS = ("origin", "mass", "inertia")
-_JOINT_PARTS = ("origin", "parent", "child", "axis", "mimic")
+_PLACED = ("origin", "parent", "child")
+_MOVED = (*_PLACED, "axis", "mimic")
 
 
 def canonical_text(document: Document) -> str:
@@ -60,8 +63,11 @@ def _complete(inertial: Element) -> bool:
 
 def _add_joint(robot: ET.Element, element: Element) -> None:
     kind = element.attributes["type"]
-    joint = ET.SubElement(robot, "joint", name=element.attributes["name"], type="revolute" if kind == "screw" else kind)
-    _copy(joint, element, _JOINT_PARTS)
+    name = element.attributes["name"]
+    if kind == "fixed" and name == "universe":
+        name = "universe_joint"
+    joint = ET.SubElement(robot, "joint", name=name, type="revolute" if kind == "screw" else kind)
+    _copy(joint, element, _PLACED if kind in ("fixed", "floating") else _MOVED)
     if kind == "screw":
         pitch = element.all("drake:screw_thread_pitch")[0].attributes["value"]
         ET.SubElement(joint, SCREW_PITCH, value=pitch.strip())

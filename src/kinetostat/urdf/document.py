@@ -11,12 +11,14 @@ import re
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from kinetostat.errors import XmlError, quote
+from kinetostat.errors import LimitError, XmlError, quote
 
 __all__ = ["Document", "Element", "parse"]
 
+MAX_PARTS = 1_000_000  # elements and attributes: some 50 for each of 20,000 links
+
 _DECLARATION = re.compile(r"""\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
-_SINGLE_BYTE = re.compile(r"(us-?ascii|latin-?1|iso-?8859-?\d+|windows-?125\d|cp125\d)$", re.IGNORECASE)
+_SINGLE_BYTE = re.compile(r"((?:us-?)?ascii|latin-?1|iso-?8859-?\d+|windows-?125\d|cp125\d)$", re.IGNORECASE)
 _NAMED = ("link", "joint", "drake:joint", "inertial")
 _NOT_ROBOT_FILES = (
     (b"\x1f\x8b", "is a gzip archive", "unpack it with gunzip first"),
@@ -66,6 +68,7 @@ def parse(data: bytes, file: str) -> Document:
 
     Raises:
         XmlError: not XML, not well-formed, not decodable, or with a DOCTYPE.
+        LimitError: more than a million elements and attributes.
     """
     for magic, what, remedy in _NOT_ROBOT_FILES:
         if data.startswith(magic):
@@ -124,8 +127,18 @@ def _build(text: str, file: str, skipped: int) -> Element:
     parser = expat.ParserCreate("UTF-8")
     top = Element("", {}, 0)
     open_elements = [top]
+    count = 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal count
+        count += 1 + len(attributes)
+        if count > MAX_PARTS:
+            raise LimitError(
+                f"too many elements and attributes; at most {MAX_PARTS:,} are read",
+                file=file,
+                line=parser.CurrentLineNumber + skipped,
+                remedy="leave out what you do not ask for",
+            )
         element = Element(tag, attributes, parser.CurrentLineNumber + skipped, open_elements[-1])
         open_elements[-1].children.append(element)
         open_elements.append(element)

@@ -40,6 +40,8 @@ def open_source(name: str, *, max_bytes: int = MAX_BYTES, stdin: BinaryIO | None
         UnknownNameError, AmbiguousNameError: no such, or more than one, textbook or example robot.
     """
     if name == "-":
+        if stdin is None and sys.stdin is None:
+            raise SourceError("standard input is closed", file="-", remedy="pipe the robot file to it")
         data = (stdin or sys.stdin.buffer).read(max_bytes + 1)
         if len(data) > max_bytes:
             raise _too_big("standard input", max_bytes)
@@ -90,7 +92,10 @@ def _too_big(shown: str, max_bytes: int) -> SourceError:
 
 
 def _nearby(path: Path) -> str | None:
-    """Return a hint at a file of nearly the same name."""
+    """Return a hint at a robot that ships with us, or at a file of nearly the same name."""
+    for scheme, robots in (("textbook", textbook_robots()), ("example", example_robots())):
+        if path.name in short_names(robots):
+            return f"did you mean {scheme}:{path.name}?"
     try:
         siblings = [entry.name for entry in os.scandir(path.parent)]
     except (OSError, ValueError):

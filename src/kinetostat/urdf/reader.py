@@ -18,6 +18,7 @@ __all__ = ["read"]
 
 MAX_LINKS = 20_000
 MAX_DOF = 300
+MAX_NAME = 20_000
 MAX_LENGTH = 1e12  # metres: beyond it double precision leaves less than a millimetre
 MAX_MASS = 1e15
 MAX_INERTIA = 1e30
@@ -54,8 +55,9 @@ def read(document: Document) -> Robot:
     joints = with_leaders(reading, joints)
     remarks = tuple(sorted(reading.remarks, key=lambda remark: remark.line))
     robot = Robot(name, tuple(links), tuple(joints), top, remarks)
-    if robot.nv > MAX_DOF:
-        message = f"the robot has {robot.nv} degrees of freedom; at most {MAX_DOF} are read"
+    movable = sum(joint.type.nv for joint in robot.joints)  # followers too: Pinocchio has them as joints of their own
+    if movable > MAX_DOF:
+        message = f"the joints have {movable} degrees of freedom; at most {MAX_DOF} are read"
         raise reading.error(root, message, _SMALLER, LimitError)
     return robot
 
@@ -79,6 +81,9 @@ def _name(reading: Reading, element: Element, seen: dict[str, int]) -> str:
     name = element.attributes.get("name")
     if not name:
         raise reading.error(element, f"a {quote(element.tag)[1:-1]} without a name", "give it a name")
+    if len(name) > MAX_NAME:
+        message = f"a name of {len(name)} characters; at most {MAX_NAME} are read"
+        raise reading.error(element, message, "shorten it", LimitError)
     # A line break or a tab may stand in a name; a control character (a terminal escape) may not.
     if any(ord(c) in range(0x7F, 0xA0) or (ord(c) < 32 and c not in "\t\r\n") for c in name):
         raise reading.error(element, "the name holds a control character", "rename it")
@@ -248,6 +253,8 @@ def _limit(reading: Reading, element: Element, kind: JointType) -> Limit:
 
 
 def _remark_range(reading: Reading, element: Element, kind: JointType, lower: float, upper: float) -> None:
+    if math.isinf(lower) and lower == upper:
+        raise reading.error(element, f"lower and upper are both {lower:g}", "write finite limits", NumberError)
     if math.isinf(lower) or math.isinf(upper):
         reading.remark(element, "an infinite limit: other parsers refuse the file")
     if lower > upper:

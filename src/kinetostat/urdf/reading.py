@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-from kinetostat.errors import NumberError, RobotError, StructureError, printable, quote
+from kinetostat.errors import NumberError, RobotError, StructureError, quote
 from kinetostat.urdf.description import Remark
 from kinetostat.urdf.document import Document, Element
 
@@ -76,5 +76,5 @@ class Reading:
         value = float(word)
         if math.isinf(value) or abs(value) > largest:
             bound = f"; at most {largest:g} is read" if largest < math.inf else ""
-            raise self.error(element, f"{key}: {printable(word)} is too large{bound}", "check the unit", NumberError)
+            raise self.error(element, f"{key}: {quote(word)} is too large{bound}", "check the unit", NumberError)
         return value

@@ -89,6 +89,8 @@ def read_srdf(document: Document, robot: Robot) -> Semantics:
     root = document.root
     if root.tag != "robot":
         raise StructureError("an SRDF has <robot> as its root element", file=document.file, line=root.line)
+    if root.all("link") and not root.all("group") and not root.all("group_state"):
+        raise StructureError("this is a robot, not an SRDF", file=document.file, line=root.line)
     states = []
     for element in root.all("group_state"):
         if not element.attributes.get("name"):

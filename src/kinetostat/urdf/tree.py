@@ -77,7 +77,7 @@ def with_leaders(reading: Reading, joints: list[Joint]) -> list[Joint]:
             kept.append(joint)
         else:
             missing = quote(joint.mimic.joint)
-            text = f"it mimics {missing}, which does not exist: it counts as independent, as in all simulators"
+            text = f"it mimics {missing}, which does not exist: it counts as independent"
             reading.remark(_at("joint", joint), text)
             kept.append(replace(joint, mimic=None))
     _check_leaders(reading, {joint.name: joint for joint in kept})

@@ -36,6 +36,7 @@ def expand(path: Path, packages: Packages, arguments: Mapping[str, str], max_byt
     """
     try:
         import xacro
+        import xacro.substitution_args
     except ImportError:
         raise SourceError(
             "xacro files need the xacro package", file=str(path), remedy="pip install 'kinetostat[xacro]'"
@@ -49,6 +50,8 @@ def expand(path: Path, packages: Packages, arguments: Mapping[str, str], max_byt
     except RecursionError:
         raise XmlError("the xacro macros call themselves without end", file=str(path)) from None
     except Exception as error:
+        if isinstance(cause := getattr(error, "exc", None), KinetostatError):
+            raise cause from None
         # xacro lets whatever its expressions raise come through, so the net is wide; SystemExit is not in it.
         reason = printable(" ".join(str(error).split())) or type(error).__name__
         raise XmlError(f"xacro cannot expand the file: {reason[:300]}", file=str(path)) from None
@@ -58,7 +61,8 @@ def expand(path: Path, packages: Packages, arguments: Mapping[str, str], max_byt
 @contextlib.contextmanager
 def _gate(xacro: Any, path: Path, packages: Packages, max_bytes: int) -> Iterator[None]:
     """Let xacro find packages as we do, and open files only through us, while it runs."""
-    allowed = [packages.home().resolve()]
+    # A link into a source tree (colcon --symlink-install) may include what lies beside its target.
+    allowed = [packages.home().resolve(), Packages(path.resolve()).home()]
 
     def find(name: str) -> str:
         folder = packages.find(name)

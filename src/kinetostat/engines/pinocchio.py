@@ -13,6 +13,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -86,9 +87,6 @@ class PinocchioEngine:
         for joint in self._joints:
             self._install(joint)
         self._lead()
-        with _translated("Data"):
-            # Not createData, which returns a copy: at 300 degrees of freedom Data takes 0.9 GB (tensors of nv^3).
-            self._data = pin.Data(self._model)
         self.position_names = tuple(n for j in self._joints if j.leader is None for n in j.position_names)
         self.velocity_names = tuple(n for j in self._joints if j.leader is None for n in j.velocity_names)
 
@@ -148,6 +146,12 @@ class PinocchioEngine:
         for joint in self._joints:
             count = len(joint.velocity_names)
             self._fold[joint.v : joint.v + count, joint.columns] = joint.multiplier * np.eye(count)
+
+    @cached_property
+    def _data(self) -> Any:
+        """What Pinocchio computes with; made when first used, because it holds tensors of nv^3 (0.9 GB for 300)."""
+        with _translated("Data"):
+            return pin.Data(self._model)  # createData returns a copy of one, and so takes twice as much
 
     # --- the protocol ------------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ import kinetostat as ks
 def test_words_stand_for_themselves_and_others_are_refused(words):
     for word in words:
         assert words(word.value) is word
-    with pytest.raises(ks.UsageError, match="'sideways' .there are"):
+    with pytest.raises(ks.UsageError, match="'sideways'"):
         words("sideways")
 
 

@@ -139,12 +139,14 @@ def _rendered(answer: Answer, form: Format) -> str:
             warnings=warnings,
         )
         return report.render(payload)
-    from kinetostat.report import csv, text
-    from kinetostat.report.view import certificate_note, disagreement_tables
-
     view = answer.view()
     if form is Format.CSV:
+        from kinetostat.report import csv
+
         return csv.render(view.csv)
+    from kinetostat.report import text
+    from kinetostat.report.view import certificate_note, disagreement_tables
+
     if answer.certificate is not None:
         tables = (*view.tables, *disagreement_tables(answer.certificate))
         view = replace(view, tables=tables, notes=(*view.notes, certificate_note(answer.certificate)))

@@ -113,7 +113,7 @@ def write_answer(answer: Answer, output: OutputOptions) -> None:
     """Render an answer once, write it once, and exit with 4 if the engines disagree."""
     warn(answer.warnings)
     text = _rendered(answer, output.format)
-    if output.output is None:
+    if output.output is None or output.output == Path("-"):
         _write_out(text)
     else:
         _write_whole(output.output, text)

@@ -143,7 +143,8 @@ class OutputOptions:
 
     format: Annotated[Format, typer.Option("--format", "-F", help="How to write the result.")] = Format.TABLE
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write the result to a file.")
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Write the result to a file; - is standard output."),
     ] = None
     crosscheck: Annotated[
         bool, typer.Option("--crosscheck/--no-crosscheck", help="Compute every number by both engines.")

@@ -94,6 +94,22 @@ def test_outside_limits_warns_and_answers(cli, arm):
     assert "joint 'slide' is at 0.7 m, outside [0, 0.5]" in answer.err
 
 
+def test_warnings_speak_degrees_to_who_asks_in_degrees(cli, arm):
+    err = cli("fk", arm, "-q", "shoulder=100,slide=0.7", "--deg").err
+    assert "joint 'shoulder' is at 100 deg, outside [-114.592, 57.2958]" in err
+    assert "joint 'slide' is at 0.7 m, outside [0, 0.5]" in err
+
+
+def test_a_dash_is_standard_output(cli, arm, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert cli("fk", arm, "-o", "-").out == cli("fk", arm).out
+    assert [path.name for path in tmp_path.iterdir()] == ["my arm.urdf"]
+
+
+def test_an_empty_name_is_no_robot(cli):
+    assert "no robot is named" in only_line(cli("fk", ""))
+
+
 def test_a_follower_outside_its_own_limits_is_told(cli, arm):
     text = arm.read_text().replace('lower="-1" upper="1"', 'lower="-0.2" upper="1"')
     arm.write_text(text)

@@ -81,7 +81,7 @@ def configuration(
             q = _from_state(robot, semantics, wanted, warnings)
         else:
             q = _from_values(robot, values, degrees, quaternion_first)
-    return Configuration(robot, q, (*warnings, *_outside_limits(robot, q)))
+    return Configuration(robot, q, (*warnings, *_outside_limits(robot, q, degrees)))
 
 
 def _robot(model: Model | Robot) -> Robot:
@@ -391,7 +391,7 @@ def _from_state(robot: Robot, semantics: Semantics, name: str, warnings: list[st
     return _from_values(robot, values, degrees=False, quaternion_first="x")
 
 
-def _outside_limits(robot: Robot, q: Array) -> list[str]:
+def _outside_limits(robot: Robot, q: Array, degrees: bool) -> list[str]:
     """Return a line for each joint, follower or not, that is outside its limits."""
     lines = []
     for joint in robot.joints:
@@ -403,9 +403,9 @@ def _outside_limits(robot: Robot, q: Array) -> list[str]:
             position = law.multiplier * position + law.offset
         lower, upper = joint.limit.range
         if position < lower - _LIMIT_SLACK or position > upper + _LIMIT_SLACK:
-            unit = "rad" if joint.type.is_angle else "m"
+            factor = 180 / math.pi if degrees and joint.type.is_angle else 1.0
+            unit = ("deg" if degrees else "rad") if joint.type.is_angle else "m"
             follows = f", by following {quote(law.joint)}" if law else ""
-            lines.append(
-                f"joint {quote(joint.name)} is at {position:.6g} {unit}{follows}, outside [{lower:.6g}, {upper:.6g}]"
-            )
+            shown, low, high = (f"{value * factor:.6g}" for value in (position, lower, upper))
+            lines.append(f"joint {quote(joint.name)} is at {shown} {unit}{follows}, outside [{low}, {high}]")
     return lines

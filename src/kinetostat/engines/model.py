@@ -60,6 +60,7 @@ class Model:
             return PinocchioEngine(self.loaded.text, floating_base=self.floating_base)
         except EngineError as error:
             error.file = self.loaded.source.name
+            error.remedy = error.remedy or "our reader accepts the robot: please report this with the file"
             raise
 
     @cached_property

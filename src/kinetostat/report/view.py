@@ -237,8 +237,8 @@ def info_view(result: Summary, *, degrees: bool) -> View:
     name = _name(robot.name) or "a robot without a name"
     total = result.base_mass + result.moving_mass
     title = (
-        f"{name}: {len(robot.links)} links, {len(robot.joints)} joints ({movable} movable), "
-        f"{robot.nv} degrees of freedom\n"
+        f"{name}: {_counted(len(robot.links), 'link')}, {_counted(len(robot.joints), 'joint')} ({movable} movable), "
+        f"{robot.nv} degree{'' if robot.nv == 1 else 's'} of freedom\n"
         f"mass {total:.6g} kg, {result.moving_mass:.6g} kg without the base link {_name(robot.root)}\n"
         f"longest chain {result.reach:.4g} m, stretched out"
     )
@@ -261,6 +261,10 @@ def info_view(result: Summary, *, degrees: bool) -> View:
     ]
     notes = () if remarks else ("nothing is odd about the file",)
     return View(title, tuple(tables), notes, tree_lines(robot))
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def _title_of_chains(result: Summary) -> str:

@@ -46,6 +46,8 @@ def open_source(name: str, *, max_bytes: int = MAX_BYTES, stdin: BinaryIO | None
         if len(data) > max_bytes:
             raise _too_big("standard input", max_bytes)
         return Source("-", None, data)
+    if not name:
+        raise SourceError("no robot is named", remedy="name a file, textbook:NAME or example:NAME")
     path = locate(name)
     return Source(name, path, read_file(path, name, max_bytes))
 
@@ -76,12 +78,12 @@ def read_file(path: Path, shown: str, max_bytes: int = MAX_BYTES) -> bytes:
         with os.fdopen(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
             data = file.read(max_bytes + 1)
     except FileNotFoundError:
-        raise SourceError("there is no such file", file=shown, remedy=_nearby(path)) from None
+        raise SourceError("there is no such file", file=shown, remedy=_nearby(path) or "check the path") from None
     except PermissionError:
         raise SourceError("the file may not be read", file=shown, remedy="check its permissions") from None
     except (OSError, ValueError) as error:  # ValueError: a NUL byte in the name
         reason = getattr(error, "strerror", None) or str(error)
-        raise SourceError(f"the file cannot be read: {reason}", file=shown) from None
+        raise SourceError(f"the file cannot be read: {reason}", file=shown, remedy="check the path") from None
     if len(data) > max_bytes:
         raise _too_big(shown, max_bytes)
     return data

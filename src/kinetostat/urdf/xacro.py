@@ -48,13 +48,15 @@ def expand(path: Path, packages: Packages, arguments: Mapping[str, str], max_byt
     except KinetostatError:
         raise
     except RecursionError:
-        raise XmlError("the xacro macros call themselves without end", file=str(path)) from None
+        message = "the xacro macros call themselves without end"
+        raise XmlError(message, file=str(path), remedy="give the recursion an end") from None
     except Exception as error:
         if isinstance(cause := getattr(error, "exc", None), KinetostatError):
             raise cause from None
         # xacro lets whatever its expressions raise come through, so the net is wide; SystemExit is not in it.
         reason = printable(" ".join(str(error).split())) or type(error).__name__
-        raise XmlError(f"xacro cannot expand the file: {reason[:300]}", file=str(path)) from None
+        message = f"xacro cannot expand the file: {reason[:300]}"
+        raise XmlError(message, file=str(path), remedy="does it need --xacro-arg or --package-dir?") from None
     return expanded
 
 

@@ -197,8 +197,8 @@ def test_an_odd_name_is_a_source_error_in_one_line(tmp_path, monkeypatch, name):
     [
         ("robt.urdf", "did you mean 'robot.urdf'?"),
         ("Robot.urdf", "did you mean 'robot.urdf'?"),
-        ("x", None),
-        ("gone/robot.urdf", None),
+        ("x", "check the path"),
+        ("gone/robot.urdf", "check the path"),
     ],
 )
 def test_a_missing_file_is_answered_with_a_robot_file_of_nearly_its_name(tmp_path, asked, hint):

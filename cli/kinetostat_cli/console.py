@@ -74,11 +74,12 @@ def load(robot: RobotOptions, output: OutputOptions) -> Model:
 def configuration(model: Model, at: ConfigurationOptions) -> Configuration:
     """Return the configuration that the options ask for; warn of joints outside their limits."""
     import kinetostat
-    from kinetostat_cli.values import read_values
 
     wanted: Any = at.config
     degrees = at.deg
     if at.config.startswith("@"):
+        from kinetostat_cli.values import read_values
+
         wanted, in_radians = read_values(at.config[1:])
         degrees = degrees and not in_radians
     found = kinetostat.configuration(model, wanted, degrees=degrees, quaternion_first=at.quat.value[0])
@@ -88,10 +89,10 @@ def configuration(model: Model, at: ConfigurationOptions) -> Configuration:
 
 def triple(text: str | None, option: str) -> tuple[float, float, float] | None:
     """Return the three numbers of an option such as --point x,y,z."""
-    from kinetostat_cli.values import numbers
-
     if text is None:
         return None
+    from kinetostat_cli.values import numbers
+
     x, y, z = numbers(text, option, 3)
     return x, y, z
 

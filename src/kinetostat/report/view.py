@@ -206,8 +206,12 @@ def adjoint_view(
     tables = [flat]
     if given is not None and applied is not None:
         carried: list[tuple[Cell, ...]] = [(names[i], units[i], float(given[i]), float(applied[i])) for i in order.rows]
-        ends = f"in {_name(result.start)}", f"in {_name(result.end)}"
-        tables.append(Table(("", "unit", *ends), tuple(carried), title=f"the given {result.kind}, and carried"))
+        ends = _name(result.start), _name(result.end)
+        tables.append(
+            Table(
+                ("", "unit", *ends), tuple(carried), title=f"the given {result.kind}, and the same in the other frame"
+            )
+        )
         both = tuple((*row, *more[2:]) for row, more in zip(flat.rows, carried, strict=True))
         flat = Table((*flat.header, "given", "applied"), both, (*flat.units, "", ""))
     title = f"6x6 that carries a {result.kind} in {_name(result.start)} to {_name(result.end)}"

@@ -86,7 +86,8 @@ def _form(values: Sequence[float]) -> str:
 def _shown(cell: Cell, form: str) -> str:
     """Return a cell as text. Rounding noise is 0; what is small but no noise keeps its zeros: 0.00000."""
     if isinstance(cell, float):
-        return "0" if abs(cell) < _NOISE else format(cell, form)
+        text = "0" if abs(cell) < _NOISE else format(cell, form)
+        return text if any(digit in text for digit in "123456789") else text.lstrip("-")
     return "-" if cell is None else printable(cell)
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kinetostat import Certificate, Configuration, Model
     from kinetostat.report.view import View
 
-__all__ = ["Answer", "load", "say", "triple", "warn", "write_answer"]
+__all__ = ["Answer", "configuration", "load", "say", "triple", "warn", "write_answer"]
 
 DISAGREE = 4
 

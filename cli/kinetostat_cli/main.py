@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from kinetostat_cli import completion
+from kinetostat_cli.console import say
 
 __all__ = ["COMMANDS", "build", "main", "run"]
 
@@ -72,7 +73,7 @@ def run(arguments: list[str]) -> int:
     except typer.Exit as stop:
         return stop.exit_code
     except (typer.Abort, KeyboardInterrupt):
-        _say("interrupted")
+        print("kinetostat: interrupted", file=sys.stderr)
         return INTERRUPTED
     except Exception as error:
         if debug:
@@ -89,14 +90,13 @@ def _usage(error: Exception) -> int:
         return 2
     context = getattr(error, "ctx", None)
     hint = f" (see '{context.command_path} --help')" if context is not None else ""
-    _say(f"error: {' '.join(error.format_message().split()).rstrip('.')}{hint}")  # type: ignore[attr-defined]
+    say("error", f"{' '.join(error.format_message().split()).rstrip('.')}{hint}")  # type: ignore[attr-defined]
     return 2
 
 
 def _library(error: Exception) -> int:
     """Answer for one of our own errors, or for a bug."""
     from kinetostat.errors import KinetostatError, printable
-    from kinetostat_cli.console import say
 
     if isinstance(error, KinetostatError):
         say("error", str(error))
@@ -104,10 +104,6 @@ def _library(error: Exception) -> int:
     say("error", f"this is a bug in kinetostat: {type(error).__name__}: {printable(str(error))[:200]}")
     say("error", "please report it with the robot file and the command; --debug shows where it happened")
     return BUG
-
-
-def _say(line: str) -> None:
-    print(f"kinetostat: {line}", file=sys.stderr)
 
 
 if __name__ == "__main__":

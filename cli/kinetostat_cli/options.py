@@ -16,6 +16,7 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
+from kinetostat.conventions import Order
 from kinetostat_cli import completion
 
 __all__ = [
@@ -52,13 +53,6 @@ class Quaternion(StrEnum):
 
     XYZW = "xyzw"
     WXYZ = "wxyz"
-
-
-class Order(StrEnum):
-    """Which half of a six-vector comes first: the words of kinetostat.Order, which would import NumPy for --help."""
-
-    LINEAR_FIRST = "linear-first"
-    ANGULAR_FIRST = "angular-first"
 
 
 FrameOption = Annotated[

@@ -8,15 +8,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Any
 
 from kinetostat.errors import UsageError, unknown_name
 
-__all__ = ["Array", "Order", "Reference", "Velocity", "WrenchOrTwist", "tolerance"]
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+    Array = npt.NDArray[np.float64]
+else:
+    Array = Any  # a name in annotations only: --help takes its words from here, and should not wait for NumPy
+
+__all__ = ["Array", "Order", "Reference", "Velocity", "WrenchOrTwist", "tolerance"]
 
 TWIST_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 TWIST_UNITS = ("m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s")

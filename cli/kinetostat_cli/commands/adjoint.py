@@ -6,9 +6,10 @@ from typing import Annotated
 
 import typer
 
+from kinetostat.conventions import Order, WrenchOrTwist
 from kinetostat_cli import completion
 from kinetostat_cli.console import Answer, configuration, load, write_answer
-from kinetostat_cli.options import ConfigurationOptions, Order, OrderOption, OutputOptions, RobotOptions, grouped
+from kinetostat_cli.options import ConfigurationOptions, OrderOption, OutputOptions, RobotOptions, grouped
 
 __all__ = ["register"]
 
@@ -59,18 +60,17 @@ def adjoint(
     from kinetostat_cli.values import numbers
 
     model = load(robot, output)
-    kind = kinetostat.WrenchOrTwist.WRENCH if wrench else kinetostat.WrenchOrTwist.TWIST
-    rows = kinetostat.Order(order)
+    kind = WrenchOrTwist.WRENCH if wrench else WrenchOrTwist.TWIST
     a, b = (model.robot.frame(name) for name in (start or model.robot.default_tip(), end or model.robot.root))
     q = configuration(model, at)
     result = kinetostat.adjoint(model, a, b, q.q, kind=kind, inverse=inverse)
-    given = None if apply is None else np.array(numbers(apply, "--apply", 6))[rows.rows]
+    given = None if apply is None else np.array(numbers(apply, "--apply", 6))[order.rows]
     applied = None if given is None else result.apply(given)
     write_answer(
         Answer(
             "adjoint",
-            lambda: adjoint_view(result, q, given, applied, order=rows, degrees=at.deg),
-            lambda: adjoint_result(result, given, applied, rows),
+            lambda: adjoint_view(result, q, given, applied, order=order, degrees=at.deg),
+            lambda: adjoint_result(result, given, applied, order),
             model,
             q,
             result.certificate,

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from typing import Annotated
 
 import typer
 
+from kinetostat.conventions import Order, Reference
 from kinetostat_cli import completion
 from kinetostat_cli.console import Answer, configuration, load, triple, write_answer
 from kinetostat_cli.options import (
     ConfigurationOptions,
     FrameOption,
-    Order,
     OrderOption,
     OutputOptions,
     RelativeToOption,
@@ -21,14 +20,6 @@ from kinetostat_cli.options import (
 )
 
 __all__ = ["register"]
-
-
-class Reference(StrEnum):
-    """The same words as kinetostat.Reference, which would import NumPy for --help."""
-
-    ALIGNED = "aligned"
-    LOCAL = "local"
-    WORLD = "world"
 
 
 @grouped
@@ -92,28 +83,25 @@ def jacobian(
     tip = model.robot.frame(frame or model.robot.default_tip())
     q = configuration(model, at)
     chosen: str | list[str] = joints
-    if joints not in ("path", "all") and joints not in model.robot.joint_by_name:
-        chosen = [name.strip() for name in joints.split(",")]
-    elif joints not in ("path", "all"):
-        chosen = [joints]
+    if joints not in ("path", "all"):  # a joint's own name may hold a comma
+        chosen = [joints] if joints in model.robot.joint_by_name else [name.strip() for name in joints.split(",")]
     result = kinetostat.jacobian(
         model,
         tip,
         q.q,
-        reference=kinetostat.Reference(reference),
+        reference=reference,
         relative_to=relative_to,
         expressed_in=expressed_in,
         point=triple(point, "--point"),
         joints=chosen,
         rates=rates,
-        qdot=None if qdot is None else kinetostat.joint_rates(model.robot, qdot, degrees=at.deg),
+        qdot=None if qdot is None else kinetostat.joint_rates(model, qdot, degrees=at.deg),
     )
-    rows = kinetostat.Order(order)
     write_answer(
         Answer(
             "jacobian",
-            lambda: jacobian_view(result, q, order=rows, degrees=at.deg),
-            lambda: jacobian_result(result, rows),
+            lambda: jacobian_view(result, q, order=order, degrees=at.deg),
+            lambda: jacobian_result(result, order),
             model,
             q,
             result.certificate,

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
-from kinetostat.errors import ConfigurationError, UnknownNameError, quote, unknown_name
+from kinetostat.errors import ConfigurationError, UnknownNameError, quote
 from kinetostat.urdf.description import Joint, JointType, Robot
 from kinetostat.urdf.srdf import Semantics
 
@@ -112,12 +112,15 @@ def joint_rates(
     names = [name for joint in robot.independent for name in joint.velocity_names]
     rates = _fill(robot, rates, names, robot.velocity_slices, values, "rate")
     if degrees:
-        for joint in robot.independent:
-            if joint.type.is_angle:
-                rates[robot.velocity_slices[joint.name]] *= math.pi / 180
-            elif joint.type is JointType.PLANAR:
-                rates[robot.velocity_slices[joint.name].start + 2] *= math.pi / 180
+        _scale_angles(robot, rates, robot.velocity_slices, math.pi / 180)
     return rates
+
+
+def _scale_angles(robot: Robot, vector: Array, slices: Mapping[str, slice], factor: float) -> None:
+    """Multiply the angles among positions or velocities in place: a joint's only, a planar joint's last coordinate."""
+    for joint in robot.independent:
+        if joint.type.is_angle or joint.type is JointType.PLANAR:
+            vector[slices[joint.name].stop - 1] *= factor
 
 
 def checked(robot: Robot, q: Array) -> Array:
@@ -292,11 +295,11 @@ def _from_values(
 ) -> Array:
     names = [name for joint in robot.independent for name in joint.position_names]
     q = _fill(robot, neutral(robot), names, robot.position_slices, values, "position")
+    if degrees:
+        _scale_angles(robot, q, robot.position_slices, math.pi / 180)
     named = set(values) if isinstance(values, Mapping) else None
     for joint in robot.independent:
         where = robot.position_slices[joint.name]
-        if degrees and (joint.type.is_angle or joint.type is JointType.PLANAR):
-            q[where.stop - 1] *= math.pi / 180
         if joint.type is JointType.FLOATING:
             rotation = q[where.start + 3 : where.stop]
             # Coordinates given by name (joint.qx=...) say themselves which is which.
@@ -328,7 +331,7 @@ def _fill(
                     raise ConfigurationError(f"joint {quote(name)} takes one {what}, not {np.size(value)}")
                 vector[index[name]] = np.reshape(value, ())
             else:
-                where = slices[_settable(robot, name, names)]
+                where = slices[robot.independent_joint(name, names).name]
                 if np.size(value) != where.stop - where.start:
                     raise ConfigurationError(
                         f"joint {quote(name)} takes {where.stop - where.start} {what}s, not {np.size(value)}",
@@ -356,21 +359,6 @@ def _counted(count: int, what: str) -> str:
 def printable_names(names: Sequence[str], longest: int = 12) -> list[str]:
     """Return names quoted for a message, the first dozen."""
     return [quote(name)[1:-1] for name in names[:longest]] + (["..."] if len(names) > longest else [])
-
-
-def _settable(robot: Robot, name: str, names: list[str]) -> str:
-    """Return the name of a joint that a user may set; an error that helps for any other."""
-    joint = robot.joint_by_name.get(name)
-    if joint is None:
-        raise unknown_name("joint", name, names, listing="'kinetostat info' lists them")
-    if joint.type is JointType.FIXED:
-        raise ConfigurationError(f"joint {quote(name)} is fixed: it has no position")
-    if joint.mimic is not None:
-        leader = robot.followers[name].joint
-        raise ConfigurationError(
-            f"joint {quote(name)} follows {quote(leader)}", remedy=f"set {quote(leader)}, its leader"
-        )
-    return name
 
 
 def _from_state(robot: Robot, semantics: Semantics, name: str, warnings: list[str]) -> Array:

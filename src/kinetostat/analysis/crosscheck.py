@@ -71,7 +71,6 @@ def length_scale(robot: Robot, q: Array, point: tuple[float, float, float] | Non
     q = np.asarray(q, dtype=np.float64)
     length = robot.reach + (0.0 if point is None else float(np.linalg.norm(point)))
     turns = max((max(map(abs, joint.origin.rpy)) for joint in robot.joints), default=0.0) / (2 * np.pi)
-    folding = max((abs(law.multiplier) for law in robot.followers.values()), default=1.0)
     for joint in robot.joints:
         if joint.type is JointType.FIXED:
             continue
@@ -81,7 +80,7 @@ def length_scale(robot: Robot, q: Array, point: tuple[float, float, float] | Non
         if joint.type.is_angle or joint.type is JointType.PLANAR:
             turns = max(turns, size / (2 * np.pi))
         length += abs(joint.pitch) * (1 + size / (2 * np.pi)) if joint.type.is_angle else size
-    return max(1.0, length) * max(1.0, folding) * max(1.0, turns)
+    return max(1.0, length) * robot.largest_multiplier * max(1.0, turns)
 
 
 def _followed(law: Mimic, leader: Array) -> float:

@@ -119,8 +119,8 @@ def jacobian(
 
     scale, speed, angles, warnings = length_scale(robot, q, point), 1.0, None, list[str]()
     if qdot is not None:
-        folding = max((abs(law.multiplier) for law in robot.followers.values()), default=1.0)  # followers race
-        speed = max(1.0, float(np.max(np.sum(np.abs(qdot), -1), initial=0.0)) * max(1.0, folding))
+        rates_sum = float(np.max(np.sum(np.abs(qdot), -1), initial=0.0))
+        speed = max(1.0, rates_sum * robot.largest_multiplier)
     if sequence is not None:
         rotation = model.engine.placement(q, velocity.of, observer)[..., :3, :3]
         angles, steepness = sequence.angles(rotation), _steepness(rotation, velocity.of, sequence)

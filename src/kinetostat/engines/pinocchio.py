@@ -33,15 +33,10 @@ from kinetostat.conventions import (
 )
 from kinetostat.errors import EngineError, printable
 
-__all__ = ["PinocchioEngine", "version"]
+__all__ = ["PinocchioEngine"]
 
 _BODY = pin.FrameType.BODY
 _AT_FRAME = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-
-
-def version() -> str:
-    """Return Pinocchio's version."""
-    return str(pin.__version__)
 
 
 @dataclass

@@ -120,7 +120,7 @@ def _words(table: Table) -> str:
         lines.append((left + folded[0]).rstrip())
         lines += [" " * len(left) + more for more in folded[1:]]
     if len(table.rows) > _TALLEST:
-        lines.append(f"... and {len(table.rows) - _TALLEST} more (JSON and CSV have all of them)")
+        lines.append(f"... and {len(table.rows) - _TALLEST} more (-F json has all of them)")
     return "\n".join(lines)
 
 

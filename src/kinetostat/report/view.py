@@ -37,7 +37,6 @@ __all__ = [
 Cell = str | float | None
 
 _TOO_TALL = 400  # rows of a drawn tree
-_MANY_CHAINS = 200
 
 
 @dataclass(frozen=True)
@@ -160,11 +159,12 @@ def _angle_and_length(at: Configuration, columns: Sequence[str], degrees: bool) 
 
 def configuration_note(at: Configuration, degrees: bool) -> str:
     """Return the configuration in words: the positions that are not zero."""
-    parts = []
+    from kinetostat.analysis.configuration import neutral
+
+    rest, parts = neutral(at.robot), []
     for joint in at.robot.independent:
         values = at.q[at.robot.position_slices[joint.name]]
-        at_rest = [0.0] * 6 + [1.0] if joint.type is JointType.FLOATING else [0.0] * joint.type.nq
-        if np.any(values != at_rest):
+        if np.any(values != rest[at.robot.position_slices[joint.name]]):
             factor = 180 / math.pi if degrees and joint.type.is_angle else 1.0
             parts.append(f"{_name(joint.name)} {' '.join(f'{float(value) * factor:.6g}' for value in values)}")
     unit = "deg" if degrees else "rad"
@@ -248,7 +248,7 @@ def info_view(result: Summary, *, degrees: bool) -> View:
     )
     tables = [_joint_table(robot, degrees)]
     followers: tuple[tuple[Cell, ...], ...] = tuple((j.name, _law(j)) for j in robot.joints if j.mimic is not None)
-    chains = tuple((c.tip, str(len(c.joints)), " ".join(c.joints)) for c in result.chains[:_MANY_CHAINS])
+    chains = tuple((c.tip, str(len(c.joints)), " ".join(c.joints)) for c in result.chains)
     groups = tuple((name, str(len(joints)), " ".join(joints)) for name, joints in result.groups.items())
     states = tuple((state,) for state in result.states)
     remarks = tuple((str(r.line) if r.line else "", r.element, r.text) for r in result.remarks)
@@ -256,7 +256,7 @@ def info_view(result: Summary, *, degrees: bool) -> View:
         Table(header, rows, title=title, words=True)
         for title, header, rows in (
             ("followers", ("joint", "position"), followers),
-            (_title_of_chains(result), ("tip", "joints", "in path order"), chains),
+            ("chains", ("tip", "joints", "in path order"), chains),
             ("SRDF groups", ("group", "joints", "named"), groups),
             ("SRDF states, for --config", ("state",), states),
             ("what is odd about the file", ("line", "element", "remark"), remarks),
@@ -269,12 +269,6 @@ def info_view(result: Summary, *, degrees: bool) -> View:
 
 def _counted(count: int, what: str) -> str:
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
-
-
-def _title_of_chains(result: Summary) -> str:
-    if len(result.chains) <= _MANY_CHAINS:
-        return "chains"
-    return f"the first {_MANY_CHAINS} of {len(result.chains)} chains (JSON has all of them)"
 
 
 def _joint_table(robot: Robot, degrees: bool) -> Table:

@@ -10,7 +10,7 @@ are neither fixed nor followers (mimic). A joint has `nq` position and `nv` velo
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
@@ -23,7 +23,14 @@ from kinetostat.conventions import (
     TWIST_ROWS,
     WORLD_LINK,
 )
-from kinetostat.errors import AmbiguousNameError, UnknownNameError, UsageError, quote, unknown_name
+from kinetostat.errors import (
+    AmbiguousNameError,
+    ConfigurationError,
+    UnknownNameError,
+    UsageError,
+    quote,
+    unknown_name,
+)
 
 __all__ = ["Inertial", "Joint", "JointType", "Limit", "Link", "Mimic", "Origin", "Remark", "Robot"]
 
@@ -210,22 +217,23 @@ class Robot:
             )
         raise unknown_name("frame", name, self.link_by_name, listing="'kinetostat frames' lists them")
 
-    def independent_joint(self, name: str) -> Joint:
-        """Return the joint of that name, which a user may set.
+    def independent_joint(self, name: str, known: Iterable[str] = ()) -> Joint:
+        """Return the joint of that name, which a user may set. `known`: names that would do, if not those of joints.
 
         Raises:
             UnknownNameError: there is no such joint.
-            UsageError: it is fixed, or follows another joint.
+            ConfigurationError: it is fixed, or follows another joint.
         """
         joint = self.joint_by_name.get(name)
         if joint is None:
-            names = (j.name for j in self.independent)
+            names = list(known) or [j.name for j in self.independent]
             raise unknown_name("joint", name, names, listing="'kinetostat info' lists them")
         if joint.type is JointType.FIXED:
-            raise UsageError(f"joint {quote(name)} is fixed: it has no position")
+            raise ConfigurationError(f"joint {quote(name)} is fixed: it has no position")
         if joint.mimic is not None:
             leader = self.followers[name].joint
-            raise UsageError(f"joint {quote(name)} follows {quote(leader)}", remedy=f"use {quote(leader)}, its leader")
+            message = f"joint {quote(name)} follows {quote(leader)}"
+            raise ConfigurationError(message, remedy=f"use {quote(leader)}, its leader")
         return joint
 
     # --- tree --------------------------------------------------------------------------------------------------
@@ -336,6 +344,11 @@ class Robot:
     def nv(self) -> int:
         """Number of velocity coordinates: columns of a Jacobian over all joints."""
         return sum(joint.type.nv for joint in self.independent)
+
+    @cached_property
+    def largest_multiplier(self) -> float:
+        """How much faster than its leader the fastest follower moves; 1 where none does."""
+        return max((1.0, *(abs(law.multiplier) for law in self.followers.values())))
 
     # --- sizes -------------------------------------------------------------------------------------------------
 

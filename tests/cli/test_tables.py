@@ -114,6 +114,16 @@ def test_a_table_says_at_which_configuration(cli, arm):
     assert "at root_joint 1 2 3 0 0 0.6 0.8, shoulder 0.2" in floating
 
 
+def test_degrees_are_shown_for_the_angle_of_a_planar_joint(cli, tmp_path):
+    path = tmp_path / "cart.urdf"
+    path.write_text(
+        '<robot name="cart"><link name="floor"/><link name="cart"/><joint name="roll" type="planar">'
+        '<parent link="floor"/><child link="cart"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    assert "at roll 1 2 90 (m, deg; others zero)" in cli("fk", path, "-q", "roll=1 2 90", "--deg").out
+    assert "at roll 1 2 1.5708 (m, rad; others zero)" in cli("fk", path, "-q", "roll=1 2 1.5708").out
+
+
 def test_analytic_jacobians_say_their_angles(cli):
     wrist = ("jacobian", "textbook:wrist_zyz", "-q", "0.3,-0.8,-0.2", "--rates", "zyz")
     angles = cli(*wrist, "-F", "json").json["result"]["rates"]

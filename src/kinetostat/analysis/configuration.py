@@ -33,6 +33,13 @@ class Configuration:
     q: Array
     warnings: tuple[str, ...] = ()
 
+    def positions(self, *, degrees: bool) -> Array:
+        """Return the positions (nq,) as they are shown: angles of joints in rad or in degrees."""
+        shown = self.q.copy()
+        if degrees:
+            _scale_angles(self.robot, shown, self.robot.position_slices, 180 / math.pi)
+        return shown
+
     def by_joint(self) -> dict[str, float | list[float]]:
         """Return {joint: position}; a list of positions for planar and floating joints."""
         found: dict[str, float | list[float]] = {}

@@ -136,14 +136,13 @@ def _matrix_rows(
 
 def _positions(at: Configuration, columns: Sequence[str], degrees: bool) -> list[Cell] | None:
     """Return the position of each column's joint, None where it has several; in degrees only where all are angles."""
-    found: list[Cell] = []
+    shown, found = at.positions(degrees=degrees), list[Cell]()
     for name in columns:
         joint = at.robot.joint_by_name.get(name)
         if joint is None or joint.type.nq != 1:
             found.append("")
             continue
-        value = float(at.q[at.robot.position_slices[name].start])
-        value = math.degrees(value) if degrees and joint.type.is_angle else value
+        value = float(shown[at.robot.position_slices[name].start])
         # Words, not numbers: a large position does not coarsen the format of the matrix below it.
         found.append(f"{value:.5f}" if abs(value) < 1000 else f"{value:.6g}")
     return found if columns else None
@@ -161,12 +160,11 @@ def configuration_note(at: Configuration, degrees: bool) -> str:
     """Return the configuration in words: the positions that are not zero."""
     from kinetostat.analysis.configuration import neutral
 
-    rest, parts = neutral(at.robot), []
+    shown, rest, parts = at.positions(degrees=degrees), neutral(at.robot), []
     for joint in at.robot.independent:
-        values = at.q[at.robot.position_slices[joint.name]]
-        if np.any(values != rest[at.robot.position_slices[joint.name]]):
-            factor = 180 / math.pi if degrees and joint.type.is_angle else 1.0
-            parts.append(f"{_name(joint.name)} {' '.join(f'{float(value) * factor:.6g}' for value in values)}")
+        where = at.robot.position_slices[joint.name]
+        if np.any(shown[where] != rest[where]):
+            parts.append(f"{_name(joint.name)} {' '.join(f'{float(value):.6g}' for value in shown[where])}")
     unit = "deg" if degrees else "rad"
     return f"at zero (angles in {unit})" if not parts else f"at {', '.join(parts)} (m, {unit}; others zero)"
 

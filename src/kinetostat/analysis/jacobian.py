@@ -17,7 +17,7 @@ from kinetostat.engines.protocol import Engine
 from kinetostat.errors import RepresentationError, UsageError, quote
 from kinetostat.urdf.description import Joint, JointType, Robot
 
-__all__ = ["Jacobian", "jacobian"]
+__all__ = ["Jacobian", "checked_point", "jacobian", "velocity_units"]
 
 _NO_RATES = 1e-9  # abs(det E) below which Euler angles have no rates
 _FAST_RATES = 1e-3  # below which they are said to be near their singularity
@@ -96,7 +96,7 @@ def jacobian(
     """
     robot = model.robot
     q, qdot = checked(robot, q), None if qdot is None else checked_rates(robot, qdot, np.shape(q)[:-1])
-    reference, point = Reference(reference), None if point is None else _checked_point(point)
+    reference, point = Reference(reference), None if point is None else checked_point(point)
     observer = robot.frame(relative_to or robot.root)
     axes = None if expressed_in is None else robot.frame(expressed_in)
     velocity = Velocity.by_reference(reference, robot.frame(frame), observer, point=point, expressed_in=axes)
@@ -150,7 +150,12 @@ def jacobian(
     )
 
 
-def _checked_point(point: Sequence[float]) -> tuple[float, float, float]:
+def checked_point(point: Sequence[float]) -> tuple[float, float, float]:
+    """Return a point as three numbers that an engine can take.
+
+    Raises:
+        UsageError: not three numbers within 1e12 m.
+    """
     numbers = tuple(float(c) for c in point)
     if len(numbers) != 3 or not np.all(np.abs(numbers) <= LARGEST_LENGTH):
         raise UsageError(

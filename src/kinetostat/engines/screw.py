@@ -11,15 +11,15 @@ A batch `(..., nq)` is computed joint by joint over all configurations at once.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from kinetostat.conventions import Array, Velocity, WrenchOrTwist
 from kinetostat.screw import se3, so3
 from kinetostat.screw.adjoint import adjoint, carry, coadjoint, cross, twist_matrix
-from kinetostat.screw.chain import screw
-from kinetostat.urdf.description import Joint, JointType, Origin, Robot
+from kinetostat.screw.chain import Chain, screw
+from kinetostat.urdf.description import Joint, JointType, Mimic, Origin, Robot
 
 __all__ = ["ScrewEngine"]
 
@@ -81,6 +81,30 @@ class ScrewEngine:
         mass = {link.name: link.inertial.mass for link in self._robot.links if link.inertial is not None}
         base = mass.pop(self._robot.root, 0.0)
         return base, sum(mass.values())
+
+    def chain(self, frame: str, relative_to: str, point: Sequence[float] = (0.0, 0.0, 0.0)) -> tuple[Chain, list[str]]:
+        """Return the chain of screws from one frame to a point of another, and the names of its coordinates.
+
+        Those are the positions of the independent joints between the two, in path order. A planar joint is two slides
+        and a turn; floating joints have no such coordinates and are left where they are: callers ask first.
+        """
+        names = [name for joint in self._robot.movable_path(relative_to, frame) for name in joint.position_names]
+        placement, screws, fold, offset = np.eye(4), list[Array](), list[Array](), list[float]()
+        for joint, sign in self._robot.path(relative_to, frame):
+            origin = _origin(joint.origin)
+            placement = placement @ origin if sign > 0 else placement
+            if joint.type is not JointType.FIXED and joint.type is not JointType.FLOATING:
+                law = self._robot.followers.get(joint.name, Mimic(joint.name))
+                leader = self._robot.joint_by_name[law.joint]
+                own = list(zip(_screws(joint).T, leader.position_names, strict=True))
+                for single, name in own if sign > 0 else reversed(own):
+                    screws.append(sign * carry(placement, single[:, None])[:, 0])
+                    fold.append(law.multiplier * np.array([float(name == other) for other in names]))
+                    offset.append(law.offset)
+            placement = placement if sign > 0 else placement @ se3.inverse(origin)
+        home = placement @ se3.placement(np.eye(3), np.array(point))
+        stacked = np.array(screws).reshape(-1, 6).T, home, np.array(fold).reshape(-1, len(names)), np.array(offset)
+        return Chain(*stacked), names
 
     # --- forward kinematics ------------------------------------------------------------------------------------
 

@@ -8,13 +8,15 @@ chapters 4 and 5; R. Brockett, 1984). Columns are joints: arrays of screws are (
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from kinetostat.conventions import Array
 from kinetostat.screw import se3
-from kinetostat.screw.adjoint import adjoint, bracket
+from kinetostat.screw.adjoint import adjoint, bracket, carry, cross
 
-__all__ = ["body_jacobian", "forward", "jacobian_derivatives", "screw", "space_jacobian"]
+__all__ = ["Chain", "body_jacobian", "forward", "jacobian_derivatives", "screw", "space_jacobian"]
 
 
 def screw(direction: Array, point: Array, pitch: float = 0.0) -> Array:
@@ -81,3 +83,57 @@ def jacobian_derivatives(space: Array) -> Array:
     before = np.tril(np.ones((count, count)), -1)
     result: Array = derivatives * before
     return result
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A chain of unit screws between an observer A and a tool point, as constant arrays: what a batch is computed from.
+
+    T(q) = exp(S_1 t_1) ... exp(S_k t_k) M with t = fold q + offset, so that one coordinate may drive several screws
+    (mimic joints). Its Jacobians are of the tool's origin in A's axes, linear rows first.
+
+    Attributes:
+        screws: S_i in A at t = 0, |w| = 1 or w = 0. (6, k).
+        home: M, the placement of the tool at t = 0. (4, 4).
+        fold: how far screw i moves for coordinate j. (k, n).
+        offset: where the screws are at q = 0. (k,).
+    """
+
+    screws: Array
+    home: Array
+    fold: Array
+    offset: Array
+
+    def columns(self, q: Array) -> tuple[Array, Array]:
+        """Return every screw's column (v of the tool's origin ; w), (..., 6, k), and T, (..., 4, 4), at q (..., n)."""
+        positions = np.asarray(q, dtype=np.float64) @ self.fold.T + self.offset
+        shape, count = positions.shape[:-1], self.screws.shape[1]
+        placement: Array = np.broadcast_to(np.eye(4), (*shape, 4, 4))
+        space = np.empty((*shape, 6, count))
+        for i in range(count):
+            space[..., i] = carry(placement, self.screws[:, i : i + 1])[..., 0]
+            placement = placement @ se3.exp_along(self.screws[:, i], positions[..., i])
+        placement = placement @ self.home
+        space[..., :3, :] += cross(space[..., 3:, :], placement[..., :3, 3, None])
+        return space, placement
+
+    def jacobian(self, q: Array) -> Array:
+        """Return J with (v ; w) = J dq/dt. (..., n) -> (..., 6, n)."""
+        columns: Array = self.columns(q)[0] @ self.fold
+        return columns
+
+    def derivatives(self, q: Array) -> tuple[Array, Array]:
+        """Return J, (..., 6, n), and dJ_i/dq_j, (..., 6, n, n), the last index being j.
+
+        The screws before a column turn it; those after it move the point: with j before i, dw_i/dt_j = w_j x w_i and
+        dv_i/dt_j = w_j x v_i; with j after or at i, dw_i/dt_j = 0 and dv_i/dt_j = w_i x v_j.
+        """
+        columns, _ = self.columns(q)
+        v, w = np.swapaxes(columns[..., :3, :], -1, -2), np.swapaxes(columns[..., 3:, :], -1, -2)
+        turned_w = np.cross(w[..., None, :, :], w[..., :, None, :])  # [i, j] = w_j x w_i
+        turned_v = np.cross(w[..., None, :, :], v[..., :, None, :])  # [i, j] = w_j x v_i
+        before = np.tril(np.ones((columns.shape[-1],) * 2), -1)[..., None]
+        linear = before * turned_v + (1 - before) * np.swapaxes(turned_v, -3, -2)
+        by_screw = np.moveaxis(np.concatenate([linear, before * turned_w], -1), -1, -3)
+        folded: Array = np.swapaxes(np.swapaxes(by_screw @ self.fold, -1, -2) @ self.fold, -1, -2)
+        return columns @ self.fold, folded

@@ -12,10 +12,11 @@ import typer
 
 from kinetostat_cli import completion
 from kinetostat_cli.console import say
+from kinetostat_cli.options import joined_axes
 
 __all__ = ["COMMANDS", "build", "main", "run"]
 
-COMMANDS = ("robots", "info", "frames", "fk", "jacobian", "adjoint")
+COMMANDS = ("robots", "info", "frames", "fk", "jacobian", "adjoint", "manipulability")
 
 BUG = 70
 INTERRUPTED = 130
@@ -67,7 +68,7 @@ def main() -> None:
 
 def run(arguments: list[str]) -> int:
     """Run one command line and return its exit code."""
-    debug = "--debug" in arguments
+    arguments, debug = joined_axes(arguments), "--debug" in arguments
     try:
         return int(build(arguments)(arguments, standalone_mode=False, prog_name="kinetostat") or 0)
     except typer.Exit as stop:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields
 from enum import StrEnum
@@ -16,20 +17,25 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
-from kinetostat.conventions import Order
+from kinetostat.conventions import Order, Reference
 from kinetostat_cli import completion
 
 __all__ = [
+    "AxesOption",
     "Base",
     "ConfigurationOptions",
+    "ExpressedInOption",
     "Format",
     "FrameOption",
     "OrderOption",
     "OutputOptions",
+    "PointOption",
     "Quaternion",
+    "ReferenceOption",
     "RelativeToOption",
     "RobotOptions",
     "grouped",
+    "joined_axes",
 ]
 
 
@@ -72,6 +78,28 @@ RelativeToOption = Annotated[
         metavar="FRAME",
         help="The observer's frame. Default: the root link.",
         autocompletion=completion.frames,
+    ),
+]
+ExpressedInOption = Annotated[
+    str | None,
+    typer.Option(metavar="FRAME", help="Turn the rows to the axes of this frame.", autocompletion=completion.frames),
+]
+PointOption = Annotated[
+    str | None, typer.Option(metavar="X,Y,Z", help="Take this point of the frame, in m, not its origin.")
+]
+ReferenceOption = Annotated[
+    Reference,
+    typer.Option(
+        help="aligned: the frame's origin, observer's axes. local: its origin, its own axes. "
+        "world: the point at the observer's origin, observer's axes."
+    ),
+]
+AxesOption = Annotated[
+    str | None,
+    typer.Option(
+        "--axes",
+        metavar="AXES",
+        help="Rows that count: xyz translate, rx ry rz turn; for instance x y rz for a planar arm.",
     ),
 ]
 OrderOption = Annotated[Order, typer.Option("--order", help="Order of the rows of twists and wrenches.")]
@@ -190,3 +218,15 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
     collect.__signature__ = inspect.Signature(spread)  # type: ignore[attr-defined]
     collect.__annotations__ = {parameter.name: parameter.annotation for parameter in spread}
     return collect
+
+
+def joined_axes(arguments: list[str]) -> list[str]:
+    """Return the command line with the words after --axes joined to one: `--axes x y rz` needs no quotation marks."""
+    joined, taking = list[str](), False
+    for word in arguments:
+        if taking and joined[-1] != "--axes" and re.fullmatch(r"r?[xyz]+", word):
+            joined[-1] += f",{word}"
+        else:
+            taking = word == "--axes" or (taking and joined[-1] == "--axes")
+            joined.append(word)
+    return joined

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from kinetostat.analysis.euler import EulerSequence
     from kinetostat.analysis.jacobian import Jacobian, jacobian
     from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
+    from kinetostat.analysis.manipulability import Block, Ellipsoid, Manipulability, Transmission, manipulability
     from kinetostat.analysis.summary import Chain, Summary, summary
     from kinetostat.conventions import Order, Reference, Velocity, WrenchOrTwist
     from kinetostat.engines.model import Model, load
@@ -49,6 +50,7 @@ _HOMES = {
     "analysis.euler": ("EulerSequence",),
     "analysis.jacobian": ("Jacobian", "jacobian"),
     "analysis.kinematics": ("FrameChange", "Placement", "adjoint", "fk"),
+    "analysis.manipulability": ("Block", "Ellipsoid", "Manipulability", "Transmission", "manipulability"),
     "analysis.summary": ("Chain", "Summary", "summary"),
     "conventions": ("Order", "Reference", "Velocity", "WrenchOrTwist"),
     "engines.model": ("Model", "load"),
@@ -57,11 +59,13 @@ _HOMES = {
 
 __all__ = [
     "AmbiguousNameError",
+    "Block",
     "Certificate",
     "Chain",
     "Configuration",
     "ConfigurationError",
     "DisagreementError",
+    "Ellipsoid",
     "EngineError",
     "EulerSequence",
     "FrameChange",
@@ -71,6 +75,7 @@ __all__ = [
     "KinetostatError",
     "LimitError",
     "Link",
+    "Manipulability",
     "Model",
     "NumberError",
     "Order",
@@ -82,6 +87,7 @@ __all__ = [
     "SourceError",
     "StructureError",
     "Summary",
+    "Transmission",
     "UnknownNameError",
     "UsageError",
     "Velocity",
@@ -93,6 +99,7 @@ __all__ = [
     "jacobian",
     "joint_rates",
     "load",
+    "manipulability",
     "random_configurations",
     "summary",
 ]

@@ -11,9 +11,12 @@ from kinetostat_cli import completion
 from kinetostat_cli.console import Answer, configuration, load, triple, write_answer
 from kinetostat_cli.options import (
     ConfigurationOptions,
+    ExpressedInOption,
     FrameOption,
     OrderOption,
     OutputOptions,
+    PointOption,
+    ReferenceOption,
     RelativeToOption,
     RobotOptions,
     grouped,
@@ -28,23 +31,10 @@ def jacobian(
     at: ConfigurationOptions,
     output: OutputOptions,
     frame: FrameOption = None,
-    reference: Annotated[
-        Reference,
-        typer.Option(
-            help="aligned: the frame's origin, observer's axes. local: its origin, its own axes. "
-            "world: the point at the observer's origin, observer's axes."
-        ),
-    ] = Reference.ALIGNED,
+    reference: ReferenceOption = Reference.ALIGNED,
     relative_to: RelativeToOption = None,
-    expressed_in: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FRAME", help="Turn the rows to the axes of this frame.", autocompletion=completion.frames
-        ),
-    ] = None,
-    point: Annotated[
-        str | None, typer.Option(metavar="X,Y,Z", help="Take this point of the frame, in m, not its origin.")
-    ] = None,
+    expressed_in: ExpressedInOption = None,
+    point: PointOption = None,
     joints: Annotated[
         str,
         typer.Option(

@@ -26,6 +26,8 @@ __all__ = [
     "frames_result",
     "info_result",
     "jacobian_result",
+    "nested",
+    "number",
     "render",
     "robots_result",
 ]
@@ -58,13 +60,13 @@ def envelope(
     if certificate is not None:
         payload["crosscheck"] = {
             "engines": list(certificate.engines),
-            "max_difference": _finite(certificate.max_difference),
+            "max_difference": number(certificate.max_difference),
             "tolerance": certificate.tolerance,
             "agree": certificate.agree,
         }
         if certificate.values:
             named = zip(certificate.engines, certificate.values, strict=True)
-            payload["crosscheck"]["values"] = {engine: _nested(value) for engine, value in named}
+            payload["crosscheck"]["values"] = {engine: nested(value) for engine, value in named}
         if certificate.max_difference is None:
             payload["crosscheck"]["reason"] = "left out by --no-crosscheck"
     payload["warnings"] = list(warnings)
@@ -76,10 +78,10 @@ def fk_result(result: Placement) -> Json:
     return {
         "frame": result.frame,
         "relative_to": result.relative_to,
-        "position": _nested(result.position),
-        "quaternion_xyzw": _nested(result.quaternion_xyzw),
-        "rpy": _nested(result.rpy),
-        "matrix": _nested(result.matrix),
+        "position": nested(result.position),
+        "quaternion_xyzw": nested(result.quaternion_xyzw),
+        "rpy": nested(result.rpy),
+        "matrix": nested(result.matrix),
     }
 
 
@@ -97,19 +99,19 @@ def jacobian_result(result: Jacobian, order: Order) -> Json:
         "row_units": [result.row_units[i] for i in rows],
         "columns": list(result.columns),
         "column_units": list(result.column_units),
-        "matrix": _nested(result.matrix[..., rows, :]),
+        "matrix": nested(result.matrix[..., rows, :]),
     }
     if velocity.point is None:
         payload["point_reason"] = "reference world: the point of the frame at the observer's origin"
     if result.rates is not None:
-        values = None if result.angles is None else _nested(result.angles)
+        values = None if result.angles is None else nested(result.angles)
         payload["rates"] = {
             "sequence": result.rates.reading,
             "angles": list(result.rates.angle_names),
             "values": values,
         }
     if result.time_derivative is not None:
-        payload["time_derivative"] = _nested(result.time_derivative[..., rows, :])
+        payload["time_derivative"] = nested(result.time_derivative[..., rows, :])
     return payload
 
 
@@ -123,9 +125,9 @@ def adjoint_result(result: FrameChange, given: Array | None, applied: Array | No
         "order": order.value,
         "rows": [result.kind.rows[i] for i in rows],
         "row_units": [result.kind.units[i] for i in rows],
-        "matrix": _nested(result.matrix[..., rows, :][..., rows]),
-        "given": None if given is None else _nested(given[..., rows]),
-        "applied": None if applied is None else _nested(applied[..., rows]),
+        "matrix": nested(result.matrix[..., rows, :][..., rows]),
+        "given": None if given is None else nested(given[..., rows]),
+        "applied": None if applied is None else nested(applied[..., rows]),
     }
 
 
@@ -176,7 +178,7 @@ def robots_result(textbook: Mapping[str, Path], example: Mapping[str, Path]) -> 
 
 
 def _joint(joint: Joint) -> Json:
-    lower, upper = map(_finite, joint.limit.range) if joint.type.nq == 1 else (None, None)
+    lower, upper = map(number, joint.limit.range) if joint.type.nq == 1 else (None, None)
     unit = None if joint.type.nq != 1 else "rad" if joint.type.is_angle else "m"
     payload: Json = {
         "name": joint.name,
@@ -189,8 +191,8 @@ def _joint(joint: Joint) -> Json:
             "lower": lower,
             "upper": upper,
             "unit": unit,
-            "effort": _finite(joint.limit.effort),
-            "velocity": _finite(joint.limit.velocity),
+            "effort": number(joint.limit.effort),
+            "velocity": number(joint.limit.velocity),
         },
         "mimic": None
         if joint.mimic is None
@@ -204,15 +206,16 @@ def _joint(joint: Joint) -> Json:
     return payload
 
 
-def _finite(value: float | None) -> float | None:
+def number(value: float | None) -> float | None:
+    """Return a finite number, None for any other."""
     return value if value is not None and math.isfinite(value) else None
 
 
-def _nested(array: Array) -> Any:
+def nested(array: Array) -> Any:
     """Return nested lists of numbers; -0.0 becomes 0.0, what is not finite becomes None."""
     if array.ndim == 0:
-        return _finite(float(array) + 0.0)
-    return [_nested(part) for part in array]
+        return number(float(array) + 0.0)
+    return [nested(part) for part in array]
 
 
 def _text(value: Any, indent: str) -> str:

@@ -27,11 +27,13 @@ __all__ = [
     "Table",
     "View",
     "adjoint_view",
+    "configuration_note",
     "fk_view",
     "frames_view",
     "info_view",
     "jacobian_view",
     "robots_view",
+    "velocity_label",
 ]
 
 Cell = str | float | None

@@ -1,0 +1,1 @@
+"""Singular configurations: whether, why, what is lost, how far, and where all of them are."""

@@ -212,7 +212,7 @@ def random_configurations(model: Model | Robot, seed: int, shape: int | tuple[in
         elif joint.type is JointType.PLANAR:
             q[..., where] = generator.uniform(-1, 1, (*shape, 3)) * np.array([1, 1, math.pi])
         else:
-            lower, upper = _range_with_followers(robot, joint)
+            lower, upper = position_range(robot, joint)
             q[..., where.start] = lower + (upper - lower) * generator.random(shape)
     return q
 
@@ -228,8 +228,12 @@ def _middle(robot: Robot) -> Array:
     return q
 
 
-def _range_with_followers(robot: Robot, joint: Joint) -> tuple[float, float]:
-    """Return the part of a joint's range in which its followers are inside theirs; all of it if that is no range."""
+def position_range(robot: Robot, joint: Joint) -> tuple[float, float]:
+    """Return ends to draw a joint's position between.
+
+    That is the part of its range in which its followers are inside theirs (all of it if that is no range); a missing
+    limit is half a turn or 1 m away.
+    """
     whole = lower, upper = _bounded(joint)
     for name, law in robot.followers.items():
         if law.joint == joint.name and law.multiplier != 0:

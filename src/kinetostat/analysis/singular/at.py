@@ -1,0 +1,201 @@
+"""Is a configuration singular, why, what is lost, what moves inside, of what kind, and how far is the next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinetostat.analysis.configuration import checked
+from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
+from kinetostat.analysis.singular.complete import single_joint_families
+from kinetostat.analysis.singular.families import held_sets
+from kinetostat.analysis.singular.geometry import Cause, geometry
+from kinetostat.analysis.singular.kind import kind
+from kinetostat.analysis.singular.losses import (
+    LostWrench,
+    SelfMotion,
+    lost_space,
+    lost_wrenches,
+    motion_space,
+    self_motions,
+)
+from kinetostat.analysis.singular.mechanism import MODEL, STRICT, Mechanism, mechanism
+from kinetostat.analysis.singular.nearest import Nearest, nearest
+from kinetostat.conventions import Array
+from kinetostat.engines.model import Model
+from kinetostat.engines.protocol import Engine
+from kinetostat.errors import ConfigurationError
+
+__all__ = ["Condition", "SingularAt", "certified_values", "singular_at"]
+
+_SEED = 4
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Positions of one or two joints that make the arm singular whatever the others do."""
+
+    positions: dict[str, float]
+    name: str | None
+
+
+@dataclass(frozen=True)
+class SingularAt:
+    """What is to be said of a configuration.
+
+    Attributes:
+        mechanism: the chain, its task, its unit of length and its generic rank.
+        q: the coordinates of the chain (n,), in rad and m.
+        singular_values: of the length-scaled Jacobian, pure numbers, (min(m, n),).
+        rank: how many are above the model tolerance.
+        singular: whether the rank is below the generic rank.
+        tolerance: which tolerance the vanishing ones meet: "strict" (1e-9), "model" (1e-5: a file with rounded angles),
+            or None if the configuration is not singular.
+        lost: the wrenches that no joint feels here, and does elsewhere.
+        self_motions: joint rates that move nothing here, those of a redundant arm included.
+        kind: fold, boundary, traversable or tangential (see `kind`); None if not singular.
+        causes: why, by the geometry of the axes.
+        conditions: joints whose positions alone make it singular.
+        name: shoulder, elbow, wrist, or several; None where custom has no name.
+        distance: the nearest singular configuration; distance 0 if this is one.
+        certificate: what the two engines say of the Jacobian and the singular values.
+        warnings: what is to be said of it.
+    """
+
+    mechanism: Mechanism
+    q: Array
+    singular_values: Array
+    rank: int
+    singular: bool
+    tolerance: str | None
+    lost: tuple[LostWrench, ...]
+    self_motions: tuple[SelfMotion, ...]
+    kind: str | None
+    causes: tuple[Cause, ...]
+    conditions: tuple[Condition, ...]
+    name: str | None
+    distance: Nearest
+    certificate: Certificate
+    warnings: tuple[str, ...] = ()
+
+
+def singular_at(
+    model: Model,
+    frame: str,
+    q: Array,
+    *,
+    relative_to: str | None = None,
+    point: Sequence[float] | None = None,
+    axes: str | Sequence[str] | None = None,
+) -> SingularAt:
+    """Say whether a configuration is singular, and everything about it.
+
+    J = U diag(s) V^T, (m, n), with linear rows (and slides) in units of the arm's length L, is compared with the rank r
+    that it has almost everywhere: the configuration is singular if s_r < 1e-5 ("model"; "strict" if s_r < 1e-9). The
+    wrenches w with J^T w = 0 are what is lost, the rates v with J v = 0 move nothing. A structure that never has full
+    rank, such as an arm of five joints, is not singular for that. Bruyninckx and De Schutter, "Introduction to
+    intelligent robotics", 2001, on singularities by lines; B. Roth, "Screws, motors, and wrenches", 1984.
+
+    Args:
+        model: the robot.
+        frame: the tool's frame, a link.
+        q: one configuration (nq,).
+        relative_to: the observer's link; default the root link.
+        point: the tool point in the frame's coordinates, in m; default its origin.
+        axes: the rows that count, such as "x y rz"; default all, see `mechanism`.
+
+    Raises:
+        UnknownNameError: no such frame.
+        UsageError: no joint between the frames, or a floating one; axes that cannot be.
+        ConfigurationError: q is not one configuration of numbers.
+    """
+    arm = mechanism(model, frame, relative_to=relative_to, point=point, axes=axes)
+    whole = checked(model.robot, q)
+    if whole.ndim != 1:
+        raise ConfigurationError("one configuration is asked about", remedy="ask about each")
+    here = whole[list(arm.indices)]
+    values, certificate = certified_values(arm, whole)
+    rank = int(np.sum(values > MODEL))
+    singular = rank < arm.generic_rank
+    motions = motion_space(arm, here, rank)
+    found = self_motions(arm, here, motions)
+    singles = tuple((single.index, p) for single in single_joint_families(arm, _SEED) for p in single.positions)
+    if not singular:
+        distance = nearest(arm, here, singles)
+        return SingularAt(
+            arm, here, values, rank, False, None, (), found, None, (), (), None, distance, certificate, _remarks(arm)
+        )
+    tolerance = "strict" if values[rank] <= STRICT else "model"
+    space = lost_space(arm, here, rank)
+    lost = lost_wrenches(arm, here, space)
+    shape = geometry(arm)
+    held = _conditions(arm, here)
+    names = [shape.name(indices, here, lost, motions) for indices in held or [()]]
+    conditions = tuple(
+        Condition({arm.names[i]: float(here[i]) for i in indices}, name)
+        for indices, name in zip(held, names, strict=False)
+    )
+    return SingularAt(
+        arm,
+        here,
+        values,
+        rank,
+        True,
+        tolerance,
+        lost,
+        found,
+        kind(arm, here, space, motions),
+        shape.causes(here, lost, motions),
+        conditions,
+        _joined(names),
+        Nearest(0.0, 0.0, here, arm.within(here)),
+        certificate,
+        _remarks(arm),
+    )
+
+
+def certified_values(arm: Mechanism, whole: Array) -> tuple[Array, Certificate]:
+    """Return the singular values of the length-scaled Jacobian at configurations (..., nq), and the certificate."""
+    columns = [i for joint in dict.fromkeys(arm.joints) for i in _columns(arm, joint.name)]
+
+    def both(engine: Engine) -> Array:
+        matrix = arm.scaled(engine.jacobian(whole, arm.velocity)[..., columns])
+        values = np.linalg.svd(matrix, compute_uv=False)
+        padded = np.zeros((*matrix.shape[:-2], 1, matrix.shape[-1]))
+        padded[..., 0, : values.shape[-1]] = values
+        return np.concatenate([matrix, padded], -2)
+
+    stretched = max(arm.length, 1 / arm.length)
+    value, certificate = certified(arm.model, both, length_scale(arm.model.robot, whole, arm.velocity.point), stretched)
+    return value[..., -1, : min(len(arm.task.rows), len(arm.names))], certificate
+
+
+def _columns(arm: Mechanism, joint: str) -> range:
+    where = arm.model.robot.velocity_slices[joint]
+    return range(where.start, where.stop)
+
+
+def _conditions(arm: Mechanism, q: Array) -> list[tuple[int, ...]]:
+    """Return the smallest sets of one or two joints that keep the arm singular by themselves."""
+    generator = np.random.default_rng(_SEED)
+    singles = held_sets(arm, q[None], 1, generator)[0]
+    pairs = held_sets(arm, q[None], 2, generator)[0]
+    return singles + [pair for pair in pairs if not any(single[0] in pair for single in singles)]
+
+
+def _joined(names: Sequence[str | None]) -> str | None:
+    """Return the names of several singularities at once, each word once."""
+    words = {word for name in names if name for word in name.split(" and ")}
+    return " and ".join(word for word in ("shoulder", "elbow", "wrist") if word in words) or None
+
+
+def _remarks(arm: Mechanism) -> tuple[str, ...]:
+    missing = len(arm.task.rows) - arm.generic_rank
+    if missing == 0 or arm.task.name != "full":
+        return ()
+    return (
+        f"the structure has rank {arm.generic_rank} of 6 at almost every configuration; that is no singularity "
+        "(--axes chooses the rows that count)",
+    )

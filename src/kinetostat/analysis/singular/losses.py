@@ -1,0 +1,203 @@
+"""What a singular configuration loses, and what moves inside: null spaces as screws and as joint rates, in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinetostat.analysis.singular.mechanism import MODEL, Mechanism
+from kinetostat.conventions import Array
+from kinetostat.errors import quote
+
+__all__ = ["LostWrench", "SelfMotion", "lost_space", "lost_wrenches", "motion_space", "self_motions"]
+
+_PURE = 1e-6  # relative size below which a part of a screw is nothing
+_STEP = 0.02  # rad or L, of a walk
+_STEPS = 10
+_STAYED = 1e-9  # how far the tool may have moved, in rad and L
+
+
+@dataclass(frozen=True)
+class LostWrench:
+    """A wrench that no joint feels: the motion along it is lost.
+
+    Attributes:
+        wrench: (f ; m) in the observer's axes, moment about the tool point; |f| = 1, or |m| = 1 where f is 0. (6,), N, Nm.
+        axis: unit direction of its screw, in the observer's axes. (3,).
+        point: the point of the screw's axis next to the tool point, in the observer's coordinates; None for a couple.
+        pitch: f.m / f.f in m per rad; infinite for a couple.
+        words: what it means for the tool.
+    """
+
+    wrench: Array
+    axis: Array
+    point: Array | None
+    pitch: float
+    words: str
+
+
+@dataclass(frozen=True)
+class SelfMotion:
+    """Joint rates that do not move the tool.
+
+    Attributes:
+        rates: rate of each coordinate, the largest being 1. (n,), rad/s and m/s.
+        finite: whether the arm can walk along them, the tool at rest; else the motion is only instantaneous.
+    """
+
+    rates: Array
+    finite: bool
+
+
+def motion_space(mechanism: Mechanism, q: Array, rank: int) -> Array:
+    """Return an orthonormal basis of the rates that move nothing at q, as columns. (n,) -> (n, n - rank)."""
+    _, _, right = np.linalg.svd(mechanism.jacobian(q))
+    basis: Array = right[rank:].T
+    return basis
+
+
+def lost_space(mechanism: Mechanism, q: Array, rank: int) -> Array:
+    """Return an orthonormal basis of the wrenches that are lost at q and not everywhere, as columns. (m, r - rank).
+
+    Where the structure leaves no wrench unfelt (r = m) that is the left null space. Where it does, the part of the null
+    space that nearby configurations can move along: that of dJ v for the rates v that move nothing at q.
+    """
+    left, _, right = np.linalg.svd(mechanism.jacobian(q))
+    unfelt, lost = left[:, rank:], mechanism.generic_rank - rank
+    if unfelt.shape[1] == lost:
+        return unfelt
+    _, along = mechanism.derivatives(q)
+    regained = unfelt.T @ np.einsum("rij,ik->rjk", along, right[rank:].T).reshape(len(left), -1)
+    directions, sizes, _ = np.linalg.svd(regained)
+    if sizes[lost - 1] < MODEL:  # no first-order motion brings it back: look a little away
+        near = q + 1e-3 * mechanism.units * np.random.default_rng(0).normal(size=(32, len(q)))
+        beside = np.linalg.svd(mechanism.jacobian(near))[0][..., rank : mechanism.generic_rank]
+        directions = np.linalg.svd(unfelt.T @ np.concatenate(list(beside), axis=-1))[0]
+    taken: Array = unfelt @ directions[:, :lost]
+    return _plainest(mechanism, taken, unfelt @ directions[:, lost:])
+
+
+def _plainest(mechanism: Mechanism, lost: Array, everywhere: Array) -> Array:
+    """Return lost wrenches with wrenches that are unfelt everywhere added, so as to be couples or forces if they can."""
+    rows = np.array(mechanism.task.rows)
+    plain = lost.copy()
+    for unwanted in (rows >= 3, rows < 3):  # forces through the tool point first, couples win
+        share, *_ = np.linalg.lstsq(everywhere[unwanted], -lost[unwanted], rcond=None)
+        candidate = lost + everywhere @ share
+        clean = np.linalg.norm(candidate[unwanted], axis=0) < MODEL
+        plain[:, clean] = (candidate / np.linalg.norm(candidate, axis=0))[:, clean]
+    return plain
+
+
+def lost_wrenches(mechanism: Mechanism, q: Array, basis: Array) -> tuple[LostWrench, ...]:
+    """Return the wrenches of a basis (m, k), forces before couples, as few components in each as possible."""
+    rows = np.zeros((6, basis.shape[1]))
+    rows[list(mechanism.task.rows)] = basis
+    rows[:3] /= mechanism.length  # back to metres: power is the same in both
+    _, placement = mechanism.chain.columns(q)
+    return tuple(_lost_wrench(mechanism, row, placement[:3, 3]) for row in _sparse(rows.T))
+
+
+def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array) -> LostWrench:
+    force, moment = wrench[:3], wrench[3:]
+    size = float(np.linalg.norm(force)) * mechanism.length
+    if size <= _PURE * float(np.linalg.norm(moment)):
+        wrench = _signed(np.concatenate([np.zeros(3), moment / np.linalg.norm(moment)]))
+        words = f"{_tool(mechanism)} cannot turn about {_direction(mechanism, wrench[3:])}; it resists any moment about it"
+        return LostWrench(wrench, wrench[3:], None, math.inf, words)
+    wrench = _signed(wrench / np.linalg.norm(force))
+    force, moment = wrench[:3], wrench[3:]
+    pitch, arm = float(force @ moment), np.cross(force, moment)
+    pitch = pitch if abs(pitch) > _PURE * mechanism.length else 0.0
+    through = float(np.linalg.norm(arm)) <= _PURE * mechanism.length
+    point = tool if through else tool + arm
+    along = _direction(mechanism, force)
+    place = f"the line through ({', '.join(f'{c:.4g}' for c in point + 0.0)}) along {along}"
+    if pitch:
+        words = f"{_tool(mechanism)} cannot move on the screw of pitch {pitch:.4g} m/rad about {place}"
+    elif through:
+        words = f"{_tool(mechanism)} cannot move along {along}; it resists any force along this line"
+    else:
+        words = f"{_tool(mechanism)} cannot move along {place}; it resists any force on this line"
+    return LostWrench(wrench, force, point, pitch, words)
+
+
+def _tool(mechanism: Mechanism) -> str:
+    return quote(mechanism.velocity.of)[1:-1]
+
+
+def _direction(mechanism: Mechanism, direction: Array) -> str:
+    frame = quote(mechanism.velocity.relative_to)[1:-1]
+    nearest = int(np.argmax(np.abs(direction)))
+    if abs(direction[nearest]) > 1 - 1e-9:
+        return f"{'xyz'[nearest]} of {frame}"
+    return f"({', '.join(f'{round(float(part), 4) + 0.0:g}' for part in direction)}) of {frame}"
+
+
+def self_motions(mechanism: Mechanism, q: Array, basis: Array) -> tuple[SelfMotion, ...]:
+    """Return the rates of a basis (n, k), as few joints in each as possible, each walked to see whether it is finite."""
+    found = []
+    for row in _sparse((basis * mechanism.units[:, None]).T):
+        rates = _signed(row / np.max(np.abs(row)))
+        found.append(SelfMotion(rates, _walks(mechanism, q, rates) or _walks(mechanism, q, -rates)))
+    return tuple(found)
+
+
+def _walks(mechanism: Mechanism, start: Array, rates: Array) -> bool:
+    """Return whether the arm can move along the rates for a while with the tool at rest."""
+    rows = list(mechanism.task.rows)
+    _, home = mechanism.chain.columns(start)
+    units = mechanism.units
+    direction = rates / units / np.linalg.norm(rates / units)
+    q = start
+    for _ in range(_STEPS):
+        trial = q + _STEP * direction * units
+        for _ in range(12):
+            columns, placement = mechanism.chain.columns(trial)
+            matrix = mechanism.scaled(columns @ mechanism.chain.fold)
+            gap = _gap(placement, home, mechanism.length)[rows]
+            if float(np.max(np.abs(gap))) < _STAYED / 100:
+                break
+            left, values, right = np.linalg.svd(matrix, full_matrices=False)
+            kept = values > 1e-7
+            trial = trial - units * (right[kept].T @ (left[:, kept].T @ gap / values[kept]))
+        moved = (trial - q) / units
+        if float(np.max(np.abs(gap))) > _STAYED or float(moved @ direction) < _STEP / 2:
+            return False
+        q, direction = trial, moved / np.linalg.norm(moved)
+    return True
+
+
+def _gap(placement: Array, home: Array, length: float) -> Array:
+    """Return how far a placement is from home: displacement in units of L, rotation vector in rad. (6,)."""
+    from kinetostat.screw import so3
+
+    turn = so3.log(placement[:3, :3] @ home[:3, :3].T)
+    return np.concatenate([(placement[:3, 3] - home[:3, 3]) / length, turn])
+
+
+def _sparse(rows: Array) -> Array:
+    """Return another basis of the row space with as many zeros as elimination gives. (k, n) -> (k, n)."""
+    reduced = rows.copy()
+    row = 0
+    for column in range(rows.shape[1]):
+        if row == len(reduced):
+            break
+        pivot = row + int(np.argmax(np.abs(reduced[row:, column])))
+        if abs(reduced[pivot, column]) < 1e-4 * float(np.max(np.abs(reduced[row:]))):
+            continue
+        reduced[[row, pivot]] = reduced[[pivot, row]]
+        reduced[row] /= reduced[row, column]
+        others = np.arange(len(reduced)) != row
+        reduced[others] -= np.outer(reduced[others, column], reduced[row])
+        row += 1
+    cleaned: Array = np.where(np.abs(reduced) < 1e-9 * np.max(np.abs(reduced), axis=1, keepdims=True), 0.0, reduced)
+    return cleaned
+
+
+def _signed(vector: Array) -> Array:
+    """Return the vector with the sign that makes its largest entry positive."""
+    largest = vector[int(np.argmax(np.abs(vector).round(9)))]
+    return vector if largest > 0 else -vector

@@ -1,0 +1,218 @@
+"""A mechanism: a chain of screws with a task, as pure numbers, and the rank that its structure gives it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from kinetostat.analysis.configuration import position_range
+from kinetostat.analysis.jacobian import checked_point
+from kinetostat.analysis.task import FULL, TRANSLATION, Task, turning_columns
+from kinetostat.conventions import Array, Reference, Velocity
+from kinetostat.engines.model import Model
+from kinetostat.engines.screw import ScrewEngine
+from kinetostat.errors import UsageError, quote
+from kinetostat.screw.chain import Chain
+from kinetostat.urdf.description import Joint, JointType
+
+__all__ = ["MODEL", "STRICT", "Mechanism", "mechanism"]
+
+STRICT = 1e-9  # a singular value below it is zero in exact numbers
+MODEL = 1e-5  # and below this, zero but for the rounding of a file that writes 1.5708 for pi/2
+_SAMPLES = 32  # configurations that decide the generic rank and the unit of length
+_SEED = 0
+_SLACK = 1e-6  # a limit typed with seven digits is not exceeded by its own rounding
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """The joints between an observer and a tool point, and the rows of the tool's twist that count.
+
+    Its Jacobian is a matrix of pure numbers: linear rows are in units of the length L, and so are slides. Coordinates
+    q are those of the chain, (..., n), in rad and m.
+
+    Attributes:
+        model: the robot.
+        velocity: the label of its Jacobian: of the tool point, relative to the observer, in the observer's axes.
+        task: the rows that count, m of them.
+        chain: the screws.
+        names: names of the n coordinates, in path order.
+        joints: the joint of each coordinate.
+        turning: whether each coordinate is an angle.
+        indices: where each coordinate is in the robot's configuration.
+        length: L, in m: the root mean square distance of the joints' axes from the tool point.
+        generic_rank: r, the rank at almost every configuration.
+    """
+
+    model: Model
+    velocity: Velocity
+    task: Task
+    chain: Chain
+    names: tuple[str, ...]
+    joints: tuple[Joint, ...]
+    turning: tuple[bool, ...]
+    indices: tuple[int, ...]
+    length: float
+    generic_rank: int
+
+    @cached_property
+    def units(self) -> Array:
+        """What one unit of each coordinate is: 1 rad, or L in m. (n,)."""
+        return np.where(self.turning, 1.0, self.length)
+
+    @cached_property
+    def _rows(self) -> Array:
+        return np.where(np.array(self.task.rows) < 3, 1 / self.length, 1.0)[:, None]
+
+    def scaled(self, matrix: Array) -> Array:
+        """Return the task's rows of a Jacobian (..., 6, n) as pure numbers. (..., m, n)."""
+        rows: Array = matrix[..., list(self.task.rows), :] * self._rows * self.units
+        return rows
+
+    def jacobian(self, q: Array) -> Array:
+        """Return the Jacobian as pure numbers. (..., n) -> (..., m, n)."""
+        return self.scaled(self.chain.jacobian(q))
+
+    def derivatives(self, q: Array) -> tuple[Array, Array]:
+        """Return the Jacobian and its derivatives by coordinates in their units. (..., m, n), (..., m, n, n)."""
+        matrix, along = self.chain.derivatives(q)
+        rows = along[..., list(self.task.rows), :, :] * self._rows[..., None]
+        return self.scaled(matrix), rows * self.units[:, None] * self.units
+
+    def smallest(self, q: Array) -> Array:
+        """Return the singular value that decides: s_r. (..., n) -> (...)."""
+        values: Array = np.linalg.svd(self.jacobian(q), compute_uv=False)[..., self.generic_rank - 1]
+        return values
+
+    def draw(self, generator: np.random.Generator, shape: tuple[int, ...], *, limited: bool = False) -> Array:
+        """Return random coordinates (*shape, n): angles of a whole turn, slides inside limits; or all inside limits."""
+        lower, upper = self.limits if limited else self.spans
+        return lower + (upper - lower) * generator.random((*shape, len(self.names)))
+
+    @cached_property
+    def limits(self) -> tuple[Array, Array]:
+        """Lower and upper ends of each coordinate: its limits, or what stands for a missing one. (n,), (n,)."""
+        robot = self.model.robot
+        ranges = [
+            position_range(robot, joint) if joint.type.nq == 1 else ((-math.pi, math.pi) if turns else (-1.0, 1.0))
+            for joint, turns in zip(self.joints, self.turning, strict=True)
+        ]
+        return np.array([ends[0] for ends in ranges]), np.array([ends[1] for ends in ranges])
+
+    @cached_property
+    def stated_limits(self) -> tuple[Array, Array]:
+        """Lower and upper limits as the file states them, infinite where it states none. (n,), (n,)."""
+        single = [joint.limit.range if joint.type.nq == 1 else (-math.inf, math.inf) for joint in self.joints]
+        return np.array([ends[0] for ends in single]), np.array([ends[1] for ends in single])
+
+    @cached_property
+    def spans(self) -> tuple[Array, Array]:
+        """Ends to draw between when limits of angles do not count: a whole turn, or the limits of a slide."""
+        lower, upper = self.limits
+        turning = np.array(self.turning)
+        return np.where(turning, -math.pi, lower), np.where(turning, math.pi, upper)
+
+    def into_limits(self, q: Array) -> Array:
+        """Return coordinates with angles turned by whole turns into their limits, or else into (-pi, pi]. (..., n)."""
+        lower, _ = self.stated_limits
+        turning = np.array(self.turning)
+        wrapped = np.where(turning, math.pi - np.remainder(math.pi - q, 2 * math.pi), q)
+        start = np.where(np.isfinite(lower) & turning, lower, wrapped)
+        least = wrapped + np.where(turning, 2 * math.pi * np.ceil((start - _SLACK - wrapped) / (2 * math.pi)), 0.0)
+        return np.where(self._between(wrapped), wrapped, np.where(self._between(least), least, wrapped))
+
+    def inside(self, q: Array) -> Array:
+        """Return for each coordinate whether it is inside its limits, angles by whole turns. (..., n) -> (..., n)."""
+        return self._between(self.into_limits(q))
+
+    def within(self, q: Array) -> bool:
+        """Return whether coordinates as they stand are inside their limits. (n,)."""
+        return bool(np.all(self._between(q)))
+
+    def _between(self, q: Array) -> Array:
+        lower, upper = self.stated_limits
+        between: Array = (q >= lower - _SLACK) & (q <= upper + _SLACK)
+        return between
+
+    def configuration(self, q: Array, rest: Array) -> Array:
+        """Return configurations of the whole robot: q put into `rest`. (..., n), (nq,) -> (..., nq)."""
+        whole = np.broadcast_to(rest, (*np.shape(q)[:-1], rest.shape[-1])).copy()
+        whole[..., list(self.indices)] = q
+        return whole
+
+
+def mechanism(
+    model: Model,
+    frame: str,
+    *,
+    relative_to: str | None = None,
+    point: Sequence[float] | None = None,
+    axes: str | Sequence[str] | None = None,
+) -> Mechanism:
+    """Return the mechanism between two frames.
+
+    Without `axes` all six rows count; where three joints or fewer all move the point independently, the linear ones:
+    such an arm carries a point about, and has no say in the orientation that comes with it.
+
+    The generic rank is the largest rank at 32 random configurations, with the model tolerance: a file that rounds its
+    angles is not given a rank that the real arm does not have.
+
+    Args:
+        model: the robot.
+        frame: the tool's frame, a link.
+        relative_to: the observer's link; default the root link.
+        point: the tool point in the frame's coordinates, in m; default its origin.
+        axes: the rows that count, such as "x y rz", in the observer's axes; default see above.
+
+    Raises:
+        UnknownNameError: no such frame.
+        UsageError: no joint between the frames, or a floating one; axes that cannot be.
+    """
+    robot = model.robot
+    observer, of = robot.frame(relative_to or robot.root), robot.frame(frame)
+    at = (0.0, 0.0, 0.0) if point is None else checked_point(point)
+    velocity = Velocity.by_reference(Reference.ALIGNED, of, observer, point=at)
+    joints = robot.movable_path(observer, of)
+    if not joints:
+        raise UsageError(f"no joint moves {quote(of)} relative to {quote(observer)}", remedy="choose another --frame")
+    floating = next((joint for joint in joints if joint.type is JointType.FLOATING), None)
+    if floating is not None:
+        raise UsageError(
+            f"floating joint {quote(floating.name)} moves {quote(of)} any way: nothing there is ever singular",
+            remedy=f"--relative-to {floating.child}, the link that it carries",
+        )
+    chain, names = ScrewEngine(robot).chain(of, observer, at)
+    each = [joint for joint in joints for _ in range(joint.type.nq)]
+    indices = [i for joint in joints for i in range(*robot.position_slices[joint.name].indices(robot.nq))]
+    turning = turning_columns(joints)
+    draft = Mechanism(model, velocity, FULL, chain, tuple(names), tuple(each), turning, tuple(indices), 1.0, 1)
+    samples = chain.jacobian(draft.draw(np.random.default_rng(_SEED), (_SAMPLES,)))
+    length = _axes_distance(samples, turning)
+    task = _natural_task(samples, length) if axes is None else Task.named(axes)
+    sized = replace(draft, length=length, task=task)
+    values = np.linalg.svd(sized.scaled(samples), compute_uv=False)
+    rank = int(np.max(np.sum(values > MODEL, axis=-1)))
+    if rank == 0:
+        rows = " ".join(task.row_names)
+        raise UsageError(f"no joint ever moves {quote(of)} along {rows}", remedy="choose other --axes")
+    return replace(sized, generic_rank=rank)
+
+
+def _axes_distance(samples: Array, turning: Sequence[bool]) -> float:
+    """Return the root mean square of the linear rows of columns that turn; 1 m where there is no such distance."""
+    turns = samples[..., np.array(turning)]
+    angular = float(np.sum(turns[..., 3:, :] ** 2))
+    linear = float(np.sum(turns[..., :3, :] ** 2))
+    return math.sqrt(linear / angular) if angular > 0 and linear > 0 else 1.0
+
+
+def _natural_task(samples: Array, length: float) -> Task:
+    """Return the task of an arm that was given none. (N, 6, n)."""
+    count = samples.shape[-1]
+    linear = np.linalg.svd(samples[:, :3] / length, compute_uv=False)
+    positions = count <= 3 and float(np.max(linear[:, count - 1])) > MODEL
+    return TRANSLATION if positions else FULL

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from kinetostat import Certificate, Configuration, Model
     from kinetostat.report.view import View
 
-__all__ = ["Answer", "configuration", "load", "say", "triple", "warn", "write_answer"]
+__all__ = ["Answer", "configuration", "load", "progress_bar", "say", "triple", "warn", "write_answer"]
 
 DISAGREE = 4
 
@@ -95,6 +96,26 @@ def triple(text: str | None, option: str) -> tuple[float, float, float] | None:
 
     x, y, z = numbers(text, option, 3)
     return x, y, z
+
+
+@contextlib.contextmanager
+def progress_bar() -> Iterator[Callable[[str, float], None] | None]:
+    """Show on a terminal what is being done and how far it is; yield what tells it, None without a terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda what, share: bar.update(task, description=what, completed=share)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from kinetostat_cli.options import joined_axes
 
 __all__ = ["COMMANDS", "build", "main", "run"]
 
-COMMANDS = ("robots", "info", "frames", "fk", "jacobian", "adjoint", "manipulability")
+COMMANDS = ("robots", "info", "frames", "fk", "jacobian", "adjoint", "manipulability", "singular")
 
 BUG = 70
 INTERRUPTED = 130

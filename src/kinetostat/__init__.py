@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from kinetostat.analysis.jacobian import Jacobian, jacobian
     from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
     from kinetostat.analysis.manipulability import Block, Ellipsoid, Manipulability, Transmission, manipulability
+    from kinetostat.analysis.singular.at import SingularAt, singular_at
+    from kinetostat.analysis.singular.find import Family, SingularFamilies, singular_find
     from kinetostat.analysis.summary import Chain, Summary, summary
     from kinetostat.conventions import Order, Reference, Velocity, WrenchOrTwist
     from kinetostat.engines.model import Model, load
@@ -51,6 +53,8 @@ _HOMES = {
     "analysis.jacobian": ("Jacobian", "jacobian"),
     "analysis.kinematics": ("FrameChange", "Placement", "adjoint", "fk"),
     "analysis.manipulability": ("Block", "Ellipsoid", "Manipulability", "Transmission", "manipulability"),
+    "analysis.singular.at": ("SingularAt", "singular_at"),
+    "analysis.singular.find": ("Family", "SingularFamilies", "singular_find"),
     "analysis.summary": ("Chain", "Summary", "summary"),
     "conventions": ("Order", "Reference", "Velocity", "WrenchOrTwist"),
     "engines.model": ("Model", "load"),
@@ -68,6 +72,7 @@ __all__ = [
     "Ellipsoid",
     "EngineError",
     "EulerSequence",
+    "Family",
     "FrameChange",
     "Jacobian",
     "Joint",
@@ -84,6 +89,8 @@ __all__ = [
     "RepresentationError",
     "Robot",
     "RobotError",
+    "SingularAt",
+    "SingularFamilies",
     "SourceError",
     "StructureError",
     "Summary",
@@ -101,6 +108,8 @@ __all__ = [
     "load",
     "manipulability",
     "random_configurations",
+    "singular_at",
+    "singular_find",
     "summary",
 ]
 

@@ -17,10 +17,11 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     Array = npt.NDArray[np.float64]
+    Flags = npt.NDArray[np.bool_]
 else:
-    Array = Any  # a name in annotations only: --help takes its words from here, and should not wait for NumPy
+    Array = Flags = Any  # a name in annotations only: --help takes its words from here, and should not wait for NumPy
 
-__all__ = ["Array", "Order", "Reference", "Velocity", "WrenchOrTwist", "tolerance"]
+__all__ = ["Array", "Flags", "Order", "Reference", "Velocity", "WrenchOrTwist", "tolerance"]
 
 TWIST_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 TWIST_UNITS = ("m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s")

@@ -254,9 +254,7 @@ def _diagonal(matrix: Array, weights: JointWeights) -> Array:
     return (matrix * weights.derivatives[..., None, :])[..., None] * np.eye(matrix.shape[-1])
 
 
-def _length(
-    wanted: float | str, matrix: Array, turning: Sequence[bool], task: Task
-) -> tuple[Array | None, str]:
+def _length(wanted: float | str, matrix: Array, turning: Sequence[bool], task: Task) -> tuple[Array | None, str]:
     """Return the characteristic length (...) and how it was found."""
     if wanted == "none":
         return None, "none: metres and radians as they are"

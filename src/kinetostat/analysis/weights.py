@@ -63,9 +63,9 @@ def limit_weights(robot: Robot, joints: Sequence[Joint], q: Array) -> JointWeigh
         a_i = qdot_max_i / sqrt(1 + abs(dH/dq_i)),   H = sum (u - l)^2 / (4 (u - q)(q - l))
 
     H is the criterion of T. Chan and R. Dubey, "A weighted least-norm solution based scheme for avoiding joint limits",
-    IEEE Trans. Robotics and Automation 11(2), 1995; the scaled Jacobian is that of N. Vahrenkamp et al., "Manipulability
-    analysis", Humanoids 2012. Beside them the penalty by which M. Tsai, "Workspace geometric characterization and
-    manipulability of industrial robots", 1986, multiplies an index,
+    IEEE Trans. Robotics and Automation 11(2), 1995; the scaled Jacobian is that of N. Vahrenkamp et al.,
+    "Manipulability analysis", Humanoids 2012. Beside them the penalty by which M. Tsai, "Workspace geometric
+    characterization and manipulability of industrial robots", 1986, multiplies an index,
 
         P = (1 - exp(-prod t_i)) / (1 - exp(-1)),   t_i = 4 (q - l)(u - q) / (u - l)^2
 

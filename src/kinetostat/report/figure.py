@@ -11,7 +11,7 @@ import io
 import math
 import os
 import tempfile
-import textwrap
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -99,13 +99,9 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def _rendered(figure: Figure, form: str) -> bytes:
-    import warnings
-
     undated: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {}}[form]
     content = io.BytesIO()
-    with _style(), warnings.catch_warnings():
-        # A name in a script that the font has no glyphs for: it is still right in SVG, and boxes elsewhere.
-        warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
+    with _style():
         figure.savefig(content, format=form, metadata=undated)
     return content.getvalue()
 
@@ -139,7 +135,9 @@ def _style() -> Iterator[None]:
     """Draw in the house style, whatever the user's own; theirs is back afterwards."""
     import matplotlib as mpl
 
-    with mpl.rc_context():
+    with mpl.rc_context(), warnings.catch_warnings():
+        # A name in a script that the font has no glyphs for: it is still right in SVG, and boxes elsewhere.
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
         mpl.rcdefaults()
         mpl.rcParams.update(cast("Any", _STYLE))
         yield
@@ -154,6 +152,37 @@ def _plain(text: Any) -> Any:
     """Return the text object, told that a dollar sign is a dollar sign."""
     text.set_parse_math(False)
     return text
+
+
+def _width(text: str, size: float, *, bold: bool = False) -> float:
+    """Return the width of a line of text in inches, at a size in points."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextToPath
+
+    font = FontProperties(size=size, weight="bold" if bold else "normal")
+    width, _, _ = TextToPath().get_text_width_height_descent(text, font, ismath=False)
+    return float(width) * _POINT
+
+
+def _fitted(text: str, size: float, room: float) -> str:
+    """Return the text, cut where it is wider than the room in inches."""
+    if _width(text, size) <= room:
+        return text
+    while text and _width(f"{text}...", size) > room:
+        text = text[:-1]
+    return f"{text}..."
+
+
+def _wrapped(text: str, size: float, room: float, *, bold: bool = False) -> list[str]:
+    """Return the text in lines that are no wider than the room in inches."""
+    lines = [""]
+    for word in text.split(" "):
+        longer = f"{lines[-1]} {word}" if lines[-1] else word
+        if lines[-1] and _width(longer, size, bold=bold) > room:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines
 
 
 def _sheet(
@@ -172,8 +201,8 @@ def _sheet(
 
     wide = _LEFT + sum(width for width, _ in panels) + _GAP * (len(panels) - 1) + beside + _RIGHT
     width, panel = max(_WIDTH, wide), max(height for _, height in panels)
-    titles = textwrap.wrap(title, 84) or [""]
-    wrapped = [part for line in lines for part in textwrap.wrap(line, 112, break_long_words=True)]
+    titles = _wrapped(title, 11, width - 0.3, bold=True)
+    wrapped = [part for line in lines for part in _wrapped(line, 8.5, width - 0.3)]
     top = 0.14 + 0.22 * len(titles) + _LINE * len(wrapped) + 0.22
     height = top + panel + _BELOW + legend + 0.1
     figure = Figure(figsize=(width, height), facecolor="white")
@@ -195,14 +224,14 @@ def _legend_height(labels: Sequence[str]) -> float:
     return sum((9.6 * (1 + label.count("\n")) + 4.4) * _POINT for label in labels) + 0.08
 
 
-def _legend(figure: Figure, x: float, entries: Sequence[tuple[Any, str]], height: float) -> None:
-    """Add a legend of one column whose upper left corner is x inches from the left and `height` above the foot."""
+def _legend(figure: Figure, x: float, entries: Sequence[tuple[Any, str]], height: float, right: float) -> None:
+    """Add a legend of one column between x and `right`, in inches from the left, its top `height` above the foot."""
     if not entries:
         return
     width, tall = figure.get_size_inches()
     legend = figure.legend(
         [handle for handle, _ in entries],
-        [label for _, label in entries],
+        ["\n".join(_fitted(line, 8, right - x - 0.45) for line in label.split("\n")) for _, label in entries],
         loc="upper left",
         bbox_to_anchor=(x / width, (height + 0.1) / tall),
         borderaxespad=0,
@@ -212,6 +241,13 @@ def _legend(figure: Figure, x: float, entries: Sequence[tuple[Any, str]], height
     )
     for text in legend.get_texts():
         _plain(text)
+
+
+def _legends(figure: Figure, left: Sequence[tuple[Any, str]], right: Sequence[tuple[Any, str]], height: float) -> None:
+    """Add two legends side by side."""
+    width = float(figure.get_size_inches()[0])
+    _legend(figure, 0.25, left, height, 0.55 * width - 0.1)
+    _legend(figure, 0.55 * width, right, height, width - 0.1)
 
 
 # --- manipulability --------------------------------------------------------------------------------------------
@@ -318,8 +354,7 @@ def manipulability_figure(model: Model, result: Manipulability, at: Configuratio
         figure, axes = _sheet(panels, title, lines, height)
         for ax, view, box in zip(axes, views, boxes, strict=True):
             _draw_scene(ax, scene, view, box)
-        _legend(figure, 0.25, shapes, height)
-        _legend(figure, 0.25 + float(figure.get_size_inches()[0]) * 0.52, symbols, height)
+        _legends(figure, shapes, symbols, height)
         return figure
 
 
@@ -758,7 +793,7 @@ def slice_figure(slice_: Slice, degrees: bool = False) -> Figure:
             _angle_ticks(axis, unit, degrees=degrees)
             shown = "deg" if degrees and unit == "rad" else unit
             _plain(axis.set_label_text(f"{_name(name, 40)} [{shown}]"))
-        _legend(figure, _LEFT, entries, height)
+        _legend(figure, _LEFT, entries, height, _LEFT + _SLICE_PANEL)
         return figure
 
 
@@ -892,7 +927,7 @@ def _label_mark(
     """Write a label on its line, or beside its point, at the first place that is free."""
     origin, inches = scale
     upright = where[1] is None
-    wide, tall = 0.068 * len(label) + 0.1, 0.19
+    wide, tall = _width(label, 8) + 0.08, 0.19
     size = (tall, wide) if upright else (wide, tall)
     place, box = None, None
     for middle in _places(where, origin, inches, size):
@@ -980,8 +1015,7 @@ def workspace_figure(workspace: Workspace) -> Figure:
             line = ax.plot(*curve.points.T, **style)[0]
             if style["zorder"] == _BOLD_ORDER:
                 _cased(line)
-        _legend(figure, 0.25, halves[0], height)
-        _legend(figure, 0.25 + float(figure.get_size_inches()[0]) * 0.5, halves[1], height)
+        _legends(figure, *halves, height)
         return figure
 
 

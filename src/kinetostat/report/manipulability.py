@@ -96,7 +96,9 @@ def _length_note(result: Manipulability) -> str:
 
 def _weights_note(result: Manipulability) -> str:
     assert result.weights is not None
-    numbers = ", ".join(f"{name} {float(x):.5g}" for name, x in zip(result.columns, result.weights.factors, strict=True))
+    numbers = ", ".join(
+        f"{name} {float(x):.5g}" for name, x in zip(result.columns, result.weights.factors, strict=True)
+    )
     penalty = "" if result.weights.penalty is None else f"; penalty of limits {float(result.weights.penalty):.5g}"
     return f"columns weighted ({result.weights.unit}): {numbers}{penalty}"
 

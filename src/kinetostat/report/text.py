@@ -114,7 +114,7 @@ def _words(table: Table) -> str:
         widths[widths.index(max(widths[:-1]))] -= 1
     room = max(WIDTH - sum(w + 2 for w in widths[:-1]), 10)
     lines = []
-    for row in [header, *rows]:
+    for row in [header, *rows] if any(header) else rows:
         folded = textwrap.wrap(row[-1], room) or [""]
         left = "".join(_cut(cell, w).ljust(w + 2) for cell, w in zip(row[:-1], widths[:-1], strict=True))
         lines.append((left + folded[0]).rstrip())

@@ -11,7 +11,9 @@ each sampled at a few points, decide. The degree is not assumed but checked, by 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +26,8 @@ _LINES = 24  # positions of the other joints
 _COMBINATIONS = 3  # of minors
 _HARMONICS = 6  # sampled; the degree must turn out lower
 _NODES = 13
+_DRAWS = 512  # at which a root is tried
+_NEAR = 1e-3  # value below which a stationary point may be a root
 _NEGLIGIBLE = 1e-9  # of the largest coefficient
 
 
@@ -86,7 +90,7 @@ def _minors(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> A
     return np.concatenate(found)
 
 
-def _degree(coefficients: Array, order: Array) -> int | None:
+def _degree(coefficients: Any, order: Any) -> int | None:
     """Return the highest order that is not negligible; None if that is the highest sampled: no polynomial."""
     sizes = np.max(np.abs(coefficients), axis=0)
     used = order[sizes > _NEGLIGIBLE * np.max(sizes)] if np.max(sizes) > 0 else np.zeros(1, dtype=int)
@@ -94,7 +98,7 @@ def _degree(coefficients: Array, order: Array) -> int | None:
     return degree if degree < np.max(np.abs(order)) else None
 
 
-def _trigonometric_roots(coefficients: Array, order: Array) -> tuple[list[float], int | None]:
+def _trigonometric_roots(coefficients: Any, order: Any) -> tuple[list[float], int | None]:
     """Return the common roots in (-pi, pi] of functions sum_k c_k exp(i k t), and their degree."""
     degree = _degree(coefficients, order)
     if not degree:
@@ -103,7 +107,7 @@ def _trigonometric_roots(coefficients: Array, order: Array) -> tuple[list[float]
     taken = np.stack([coefficients[:, order == k][:, 0] for k in powers], -1)
     basis = _spanning(taken)
 
-    def derivative(t: float, times: int) -> Array:
+    def derivative(t: float, times: int) -> Any:
         return (basis * (1j * powers) ** times) @ np.exp(1j * powers * t)
 
     # The sum of squares is a trigonometric polynomial, too; its stationary points are the roots of its derivative.
@@ -123,9 +127,8 @@ def _polynomial_roots(series: Array) -> tuple[list[float], int | None]:
     chebyshev = np.polynomial.chebyshev
     basis = _spanning(series[:, : degree + 1]).real
 
-    def derivative(t: float, times: int) -> Array:
-        values: Array = chebyshev.chebval(t, chebyshev.chebder(basis.T, times)) if times <= degree else np.zeros(1)
-        return values
+    def derivative(t: float, times: int) -> Any:
+        return chebyshev.chebval(t, chebyshev.chebder(basis.T, times)) if times <= degree else np.zeros(1)
 
     squares = sum(chebyshev.chebmul(row, row) for row in basis)
     stationary = chebyshev.chebroots(chebyshev.chebder(squares))
@@ -133,20 +136,20 @@ def _polynomial_roots(series: Array) -> tuple[list[float], int | None]:
     return _distinct([t for t in found if t is not None and abs(t) <= 1]), degree
 
 
-def _spanning(coefficients: Array) -> Array:
+def _spanning(coefficients: Any) -> Any:
     """Return an orthonormal basis of the space that the rows span, each weighed by how much of it there is."""
     _, sizes, rows = np.linalg.svd(coefficients, full_matrices=False)
     keep = sizes > _NEGLIGIBLE * sizes[0]
-    basis: Array = rows[keep] * (sizes[keep] / sizes[0])[:, None]
-    return basis
+    return rows[keep] * (sizes[keep] / sizes[0])[:, None]
 
 
-def _polished(derivative: object, start: float, degree: int) -> float | None:
-    """Return the common root near a stationary point, to full accuracy even where it is multiple; None if none is."""
-    evaluate = derivative
-    assert callable(evaluate)
+def _polished(evaluate: Callable[[float, int], Any], start: float, degree: int) -> float | None:
+    """Return the common root near a stationary point, to full accuracy even where it is multiple; None if none is.
+
+    `evaluate` gives the functions' derivative of some order at a position.
+    """
     multiplicity = 0
-    while multiplicity <= degree and float(np.linalg.norm(evaluate(start, multiplicity))) < 1e-3:
+    while multiplicity <= degree and float(np.linalg.norm(evaluate(start, multiplicity))) < _NEAR:
         multiplicity += 1
     if multiplicity == 0:
         return None
@@ -167,6 +170,6 @@ def _distinct(values: list[float]) -> list[float]:
 
 def _holds(mechanism: Mechanism, index: int, position: float, generator: np.random.Generator) -> bool:
     """Return whether the arm is singular there at random positions of the others."""
-    q = mechanism.draw(generator, (32,))
+    q = mechanism.draw(generator, (_DRAWS,))
     q[:, index] = position
     return bool(np.max(mechanism.smallest(q)) < MODEL)

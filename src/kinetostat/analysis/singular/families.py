@@ -17,11 +17,12 @@ import numpy as np
 
 from kinetostat.analysis.singular.mechanism import MODEL, STRICT, Mechanism
 from kinetostat.analysis.singular.search import constraints
-from kinetostat.conventions import Array
+from kinetostat.conventions import Array, Flags
 
 __all__ = ["Group", "angle_between", "grouped", "held_sets", "on_group"]
 
-_DRAWS = 32  # enough that nearly singular arms do not pass by chance
+_DRAWS = 16
+_MANY_DRAWS = 512  # enough that arms which are nearly singular there do not pass by chance
 _CHUNK = 16  # configurations that are tried for sets before what they explain is taken out
 _APART = 1e-3  # rad or L: positions of one family differ by less
 _EXACT = 10 * STRICT
@@ -72,25 +73,26 @@ def held_sets(mechanism: Mechanism, q: Array, size: int, generator: np.random.Ge
     masks = np.array([[i in chosen for i in range(q.shape[-1])] for chosen in sets])
     screened = _stay(mechanism, q[:, None, :], masks, 1, generator)
     for which, chosen in zip(*np.nonzero(screened), strict=True):
-        if _stay(mechanism, q[which], masks[chosen], _DRAWS, generator):
+        held = q[which], masks[chosen]
+        if _stay(mechanism, *held, _DRAWS, generator) and _stay(mechanism, *held, _MANY_DRAWS, generator):
             found[which].append(sets[chosen])
     return found
 
 
-def _stay(mechanism: Mechanism, q: Array, masks: Array, draws: int, generator: np.random.Generator) -> Array:
+def _stay(mechanism: Mechanism, q: Array, masks: Flags, draws: int, generator: np.random.Generator) -> Flags:
     """Return whether configurations stay singular with the masked joints held and the others drawn anew."""
     shape = np.broadcast_shapes(q.shape, masks.shape)
     drawn = mechanism.draw(generator, (draws, *shape[:-1]))
-    stay: Array = np.all(mechanism.smallest(np.where(masks, q, drawn)) < MODEL, axis=0)
+    stay: Flags = np.all(mechanism.smallest(np.where(masks, q, drawn)) < MODEL, axis=0)
     return stay
 
 
-def on_group(mechanism: Mechanism, group: Group, q: Array) -> Array:
+def on_group(mechanism: Mechanism, group: Group, q: Array) -> Flags:
     """Return which configurations (N, n) have the held positions of a group. (N,)."""
     target = np.zeros(q.shape[-1])
     target[list(group.held)] = group.positions
     gap = np.abs(angle_between(mechanism, q, target))[..., list(group.held)]
-    near: Array = np.all(gap < _APART, axis=-1) & bool(group.held)
+    near: Flags = np.all(gap < _APART, axis=-1) & bool(group.held)
     return near
 
 
@@ -137,7 +139,7 @@ def grouped(mechanism: Mechanism, q: Array, known: list[Group], generator: np.ra
     return groups + _surfaces(mechanism, np.concatenate(surfaces), generator)
 
 
-def _on_any(mechanism: Mechanism, groups: list[Group], q: Array) -> Array:
+def _on_any(mechanism: Mechanism, groups: list[Group], q: Array) -> Flags:
     found = np.zeros(len(q), dtype=bool)
     for group in groups:
         found |= on_group(mechanism, group, q)
@@ -194,6 +196,13 @@ def _is_sliver(small: Group, large: Group) -> bool:
     return same and set(small.support) < set(large.support) and len(small.members) * 50 <= len(large.members)
 
 
+def _at_quarter(angle: float) -> float:
+    """Return the multiple of a quarter turn in (-pi, pi] that an angle nearly is, else the angle."""
+    quarters = round(angle / (math.pi / 2))
+    near = abs(angle - quarters * math.pi / 2) < _SHARED
+    return (math.pi if abs(quarters) == 2 else quarters * math.pi / 2) if near else angle
+
+
 def _common_positions(mechanism: Mechanism, q: Array) -> Array:
     """Return the position that many configurations share in a coordinate, NaN where they do not. (N, n) -> (N, n)."""
     common = np.full(q.shape, np.nan)
@@ -203,6 +212,5 @@ def _common_positions(mechanism: Mechanism, q: Array) -> Array:
         for run in np.split(order, np.flatnonzero(np.diff(values[order]) > _SHARED) + 1):
             if len(run) >= max(_FEWEST, 0.02 * len(q)):
                 shared = float(np.median(values[run]))
-                quarter = math.pi / 2 * round(shared / (math.pi / 2))
-                common[run, j] = quarter if turns and abs(shared - quarter) < _SHARED else shared
+                common[run, j] = _at_quarter(shared) if turns else shared
     return common

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from kinetostat.analysis.singular.complete import SingleJoint, single_joint_fami
 from kinetostat.analysis.singular.families import Group, group_of, grouped
 from kinetostat.analysis.singular.geometry import Cause, Geometry, geometry
 from kinetostat.analysis.singular.kind import kind
-from kinetostat.analysis.singular.losses import lost_space, lost_wrenches, motion_space
+from kinetostat.analysis.singular.losses import LostWrench, lost_space, lost_wrenches, motion_space
 from kinetostat.analysis.singular.mechanism import MODEL, STRICT, Mechanism, mechanism
 from kinetostat.analysis.singular.search import converge
 from kinetostat.conventions import Array
@@ -169,17 +169,11 @@ def singular_find(
     families.sort(key=lambda f: (not f.inside_limits, f.implicit, len(f.support), f.codimension, -f.hits))
     witnesses = np.array([family.witness for family in families]).reshape(len(families), len(arm.names))
     values, certificate = certified_values(arm, arm.configuration(witnesses, neutral(model.robot)))
-    certain = [_with_values(family, value) for family, value in zip(families, values, strict=True)]
+    certain = [replace(family, singular_values=value) for family, value in zip(families, values, strict=True)]
     unclassified = sum(len(group.members) for group in groups if not group.support)
     coverage = _coverage(arm, singles, classified, len(singular))
     tell("families", 1.0)
     return SingularFamilies(arm, tuple(certain), starts, len(singular), unclassified, coverage, certificate)
-
-
-def _with_values(family: Family, values: Array) -> Family:
-    from dataclasses import replace
-
-    return replace(family, singular_values=values)
 
 
 def _coverage(arm: Mechanism, singles: Sequence[SingleJoint], groups: Sequence[Group], converged: int) -> Coverage:
@@ -192,9 +186,7 @@ def _coverage(arm: Mechanism, singles: Sequence[SingleJoint], groups: Sequence[G
     )
 
 
-def _family(
-    arm: Mechanism, shape: Geometry, group: Group, complete: bool, generator: np.random.Generator
-) -> Family:
+def _family(arm: Mechanism, shape: Geometry, group: Group, complete: bool, generator: np.random.Generator) -> Family:
     members = _members(arm, group, generator)
     values = np.linalg.svd(arm.jacobian(members), compute_uv=False)
     # The member farthest from other families, inside limits if any is: the largest of the values that do not vanish.
@@ -206,13 +198,12 @@ def _family(
     rank = _rank(arm, witness)
     motions, space = motion_space(arm, witness, rank), lost_space(arm, witness, rank)
     lost = lost_wrenches(arm, witness, space)
-    held = () if group.implicit else group.held
     return Family(
         {arm.names[i]: position for i, position in zip(group.held, group.positions, strict=True)},
         tuple(arm.names[i] for i in group.support),
         group.codimension,
         " or ".join(name for name, _ in Counter(told).most_common()),
-        shape.name(held, witness, lost, motions),
+        _name(shape, group, witness, lost, motions),
         shape.causes(witness, lost, motions),
         "strict" if group.exact else "model",
         bool(np.any(inside)),
@@ -221,6 +212,14 @@ def _family(
         witness,
         values[order[0]],
     )
+
+
+def _name(shape: Geometry, group: Group, witness: Array, lost: Sequence[LostWrench], motions: Array) -> str | None:
+    """Return the customary name; of a surface, by its geometry, or by joints of the shoulder or wrist that it holds."""
+    if not group.implicit:
+        return shape.name(group.held, witness, lost, motions)
+    held = shape.region(group.held)
+    return shape.name((), witness, lost, motions) or (held if held in ("shoulder", "wrist") else None)
 
 
 def _members(arm: Mechanism, group: Group, generator: np.random.Generator) -> Array:

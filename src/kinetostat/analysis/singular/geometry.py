@@ -16,6 +16,16 @@ from itertools import combinations
 
 import numpy as np
 
+from kinetostat.analysis.singular.lines import (
+    TOUCHING,
+    Axis,
+    axes_at,
+    distance,
+    in_one_plane,
+    meeting_point,
+    parallel,
+    spread,
+)
 from kinetostat.analysis.singular.losses import LostWrench
 from kinetostat.analysis.singular.mechanism import Mechanism
 from kinetostat.conventions import Array
@@ -23,7 +33,6 @@ from kinetostat.errors import quote
 
 __all__ = ["Cause", "Geometry", "geometry"]
 
-_TOUCHING = 1e-4  # directions in rad, distances in L: rounded files are to be explained, too
 _LARGEST = 4  # joints in a set that is looked for; larger ones are told by the line that meets them all
 _MOST_JOINTS = 16  # of a chain whose sets are tried
 
@@ -35,15 +44,6 @@ class Cause:
     text: str
     joints: tuple[str, ...]
     at_centre: bool = False
-
-
-@dataclass(frozen=True)
-class Axis:
-    """The axis of a joint at a configuration: a turning joint's line, or a slide's direction alone."""
-
-    joint: str
-    direction: Array
-    point: Array | None  # None for a slide
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Geometry:
     def causes(self, q: Array, lost: Sequence[LostWrench], motions: Array) -> tuple[Cause, ...]:
         """Return why the arm is singular at q: (n,), the lost wrenches, and rates (n, k) that move nothing."""
         mechanism = self.mechanism
-        axes = _axes(mechanism, q)
+        axes = axes_at(mechanism, q)
         if axes is None:
             return ()
         matrix = _columns(mechanism, q)
@@ -90,10 +90,14 @@ class Geometry:
             about = [axes[i] for i in chosen]
             words = _words(about, matrix[:, list(chosen)]) if mechanism.task.angular else _point_words(about)
             causes.append(Cause(words, tuple(axis.joint for axis in about)))
-        involved = np.flatnonzero(np.any(np.abs(motions / mechanism.units[:, None]) > 1e-6, axis=1))
+        involved = [i for i, row in enumerate(motions) if float(np.max(np.abs(row))) > 1e-6]
         for wrench in lost:
             told = self._line(wrench, axes, involved)
-            if told is not None and (not causes or told.at_centre) and told.text not in [cause.text for cause in causes]:
+            if (
+                told is not None
+                and (not causes or told.at_centre)
+                and told.text not in [cause.text for cause in causes]
+            ):
                 causes.append(told)
         return tuple(causes)
 
@@ -101,34 +105,26 @@ class Geometry:
         """Return whether a dependent set is not so at every configuration, in whole or in part."""
         return not any(set(smaller) <= set(chosen) for smaller in self._always_dependent)
 
-    def _line(self, wrench: LostWrench, axes: Sequence[Axis], involved: Array) -> Cause | None:
+    def _line(self, wrench: LostWrench, axes: Sequence[Axis], involved: Sequence[int]) -> Cause | None:
         """Return the cause that is a line meeting every axis: the line of a lost force."""
         if wrench.point is None or wrench.pitch != 0:
             return None
-        meets, along = list[Axis](), list[Axis]()
         length = self.mechanism.length
-        for i in involved:
-            axis = axes[i]
-            if axis.point is None:
-                continue
-            normal = np.cross(axis.direction, wrench.axis)
-            if float(np.linalg.norm(normal)) < _TOUCHING:
-                along.append(axis)
-            elif abs(float(normal @ (axis.point - wrench.point))) < _TOUCHING * length:
-                meets.append(axis)
+        turns = [axes[i] for i in involved if axes[i].point is not None]
+        along = [axis for axis in turns if parallel([axis, Axis("", wrench.axis, None)])]
+        meets = [axis for axis in turns if axis not in along and _meets(axis, wrench, length)]
         if not meets and not along:
             return None
         centre, name = self._centre(axes, wrench)
-        others = [axis for axis in meets if centre is None or _distance(axis, centre) > _TOUCHING * length]
-        joints = tuple(axis.joint for axis in (*others, *along))
-        if not others and centre is not None and not along:
-            on = tuple(axis.joint for axis in meets)
-            return Cause(f"{name} lies on the {_plural('axis', on)} of {_list(on)}", on, at_centre=True)
-        if centre is not None and len(others) == 1 and along:
-            plane = f"the plane through the axis of {_list([others[0].joint])}"
-            return Cause(f"{name} lies in {plane} that is parallel to the {_of_axes(along)}", joints, at_centre=True)
-        if centre is not None and len(others) > 1 and not along and _in_plane(others, centre, length):
-            return Cause(f"{name} lies in the plane of the {_of_axes(others)}", joints, at_centre=True)
+        if centre is not None:
+            others = [axis for axis in meets if distance(axis, centre) > TOUCHING * length]
+            own = {axes[i].joint for i in self.wrist}
+            on = [axis for axis in meets if axis not in others and axis.joint not in own]
+            told = _at_centre(name, centre, others, along, on)
+            if told is not None:
+                return told
+        if len(meets) == len(axes):
+            return Cause("one line meets the axes of all joints", tuple(axis.joint for axis in axes))
         parts = [f"meets the {_of_axes(meets)}"] if meets else []
         parts += [f"is parallel to the {_of_axes(along)}"] if along else []
         return Cause(f"one line {' and '.join(parts)}", tuple(axis.joint for axis in (*meets, *along)))
@@ -140,22 +136,22 @@ class Geometry:
             return wrench.point, "the tool point"
         if not self.wrist:
             return None, ""
-        centre = _meeting([axes[i] for i in self.wrist], mechanism.length)
+        centre = meeting_point([axes[i] for i in self.wrist], mechanism.length)
         if centre is None or wrench.point is None:
             return None, ""
         away = float(np.linalg.norm(np.cross(centre - wrench.point, wrench.axis)))
         names = _list([axes[i].joint for i in self.wrist])
-        return (centre if away < _TOUCHING * mechanism.length else None), f"the point where the axes of {names} meet"
+        return (centre if away < TOUCHING * mechanism.length else None), f"the point where the axes of {names} meet"
 
     def name(self, held: Sequence[int], q: Array, lost: Sequence[LostWrench], motions: Array) -> str | None:
-        """Return the customary name of a singularity: by the joints whose positions make it, if they do.
+        """Return the customary name of a singularity: by the joints `held` whose positions make it, if they do.
 
         Else by the line of the lost force: through the wrist centre, it is the shoulder's where the first turning
         joint takes part in the motion inside, and the elbow's where it does not.
         """
         if held:
             return self.region(held)
-        axes = _axes(self.mechanism, q)
+        axes = axes_at(self.mechanism, q)
         if axes is None:
             return None
         first = next((i for i, turns in enumerate(self.mechanism.turning) if turns), None)
@@ -168,7 +164,7 @@ class Geometry:
 
 def geometry(mechanism: Mechanism) -> Geometry:
     """Return what holds of a mechanism's axes at every configuration."""
-    samples = [_axes(mechanism, q) for q in mechanism.draw(np.random.default_rng(2), (3,))]
+    samples = [axes_at(mechanism, q) for q in mechanism.draw(np.random.default_rng(2), (3,))]
     if any(axes is None for axes in samples):
         return Geometry(mechanism, (), ())
     whole = [axes for axes in samples if axes is not None]
@@ -176,6 +172,31 @@ def geometry(mechanism: Mechanism) -> Geometry:
     wrist = _meeting_run(whole, list(range(count))[::-1], mechanism) if mechanism.task.angular else ()
     shoulder = _meeting_run(whole, [i for i in range(count) if i not in wrist], mechanism)
     return Geometry(mechanism, shoulder, wrist)
+
+
+def _meets(axis: Axis, wrench: LostWrench, length: float) -> bool:
+    """Return whether a wrench's line meets an axis."""
+    assert axis.point is not None
+    assert wrench.point is not None
+    return abs(float(np.cross(axis.direction, wrench.axis) @ (axis.point - wrench.point))) < TOUCHING * length
+
+
+def _at_centre(
+    name: str, centre: Array, others: Sequence[Axis], along: Sequence[Axis], on: Sequence[Axis]
+) -> Cause | None:
+    """Return what is special about the wrist centre: a line through it meets or follows all other axes.
+
+    `others` meet the line elsewhere, `along` are parallel to it, `on` pass through the centre without belonging to it.
+    """
+    joints = tuple(axis.joint for axis in (*others, *along))
+    if not others and not along:
+        return Cause(f"{name} lies on the {_of_axes(on)}", tuple(a.joint for a in on), at_centre=True) if on else None
+    if len(others) == 1 and along:
+        plane = f"the plane through the axis of {_list([others[0].joint])}"
+        return Cause(f"{name} lies in {plane} that is parallel to the {_of_axes(along)}", joints, at_centre=True)
+    if len(others) > 1 and not along and in_one_plane(others, centre):
+        return Cause(f"{name} lies in the plane of the {_of_axes(others)}", joints, at_centre=True)
+    return None
 
 
 def _meeting_run(samples: Sequence[Sequence[Axis]], order: Sequence[int], mechanism: Mechanism) -> tuple[int, ...]:
@@ -186,47 +207,28 @@ def _meeting_run(samples: Sequence[Sequence[Axis]], order: Sequence[int], mechan
         chosen = [[axes[j] for j in tried] for axes in samples]
         if any(axis.point is None for axis in chosen[0]):
             break
-        if len(tried) > 1 and any(_meeting(axes, mechanism.length) is None for axes in chosen):
+        if len(tried) > 1 and any(meeting_point(each, mechanism.length) is None for each in chosen):
             break
         taken = tried
     return tuple(sorted(taken)) if len(taken) > 1 else ()
 
 
-def _axes(mechanism: Mechanism, q: Array) -> tuple[Axis, ...] | None:
-    """Return the axis of each coordinate; None where one drives several joints, or is a screw with pitch."""
-    fold = mechanism.chain.fold
-    if np.any(np.count_nonzero(fold, axis=0) != 1) or np.any(np.count_nonzero(fold, axis=1) > 1):
-        return None
-    columns, placement = mechanism.chain.columns(q)
-    tool, found = placement[:3, 3], []
-    for i, joint in enumerate(mechanism.names):
-        column = columns[:, int(np.flatnonzero(fold[:, i])[0])]
-        v, w = column[:3], column[3:]
-        if not mechanism.turning[i]:
-            found.append(Axis(joint, v / np.linalg.norm(v), None))
-        elif abs(float(v @ w)) > 1e-9 * mechanism.length:
-            return None
-        else:
-            found.append(Axis(joint, w, tool + np.cross(w, v)))
-    return tuple(found)
-
-
 def _dependent_sets(mechanism: Mechanism, q: Array) -> list[tuple[int, ...]]:
-    """Return the smallest sets of up to four joints whose screws are dependent at q; of three where only points count."""
+    """Return the smallest sets of up to four joints whose screws (or velocities of the point) are dependent at q."""
     matrix = _columns(mechanism, q)
     norms = np.linalg.norm(matrix, axis=0)
     count = matrix.shape[1]
-    found = [(i,) for i in range(count) if norms[i] < _TOUCHING]
+    found: list[tuple[int, ...]] = [(i,) for i in range(count) if norms[i] < TOUCHING]
     if count > _MOST_JOINTS:
         return found
-    unit = matrix / np.where(norms < _TOUCHING, 1.0, norms)
+    unit = matrix / np.where(norms < TOUCHING, 1.0, norms)
     largest = min(_LARGEST, mechanism.generic_rank)
     for size in range(2, largest + 1):
         sets = [chosen for chosen in combinations(range(count), size) if not any(set(s) <= set(chosen) for s in found)]
         if sets:
             stacked = np.stack([unit[:, list(chosen)] for chosen in sets])
             smallest = np.linalg.svd(stacked, compute_uv=False)[:, size - 1]
-            found += [chosen for chosen, value in zip(sets, smallest, strict=True) if value < _TOUCHING]
+            found += [chosen for chosen, value in zip(sets, smallest, strict=True) if value < TOUCHING]
     return found
 
 
@@ -247,9 +249,9 @@ def _flats(matrix: Array, sets: Sequence[tuple[int, ...]]) -> list[tuple[int, ..
     found = list[tuple[int, ...]]()
     for chosen in sets:
         left, values, _ = np.linalg.svd(matrix[:, list(chosen)], full_matrices=False)
-        span = left[:, values > _TOUCHING * max(1.0, float(values[0]))]
+        span = left[:, values > TOUCHING * max(1.0, float(values[0]))]
         rest = matrix - span @ (span.T @ matrix)
-        flat = tuple(int(i) for i in np.flatnonzero(np.linalg.norm(rest, axis=0) < 10 * _TOUCHING))
+        flat = tuple(int(i) for i in np.flatnonzero(np.linalg.norm(rest, axis=0) < 10 * TOUCHING))
         if flat not in found:
             found.append(flat)
     return found
@@ -260,25 +262,26 @@ def _words(axes: Sequence[Axis], columns: Array) -> str:
     names = _list([axis.joint for axis in axes])
     turns = [axis for axis in axes if axis.point is not None]
     slides = [axis for axis in axes if axis.point is None]
-    rank = int(np.sum(np.linalg.svd(columns, compute_uv=False) > 10 * _TOUCHING))
-    parallel = bool(turns) and all(
-        float(np.linalg.norm(np.cross(turns[0].direction, axis.direction))) < _TOUCHING for axis in turns[1:]
-    )
+    rank = int(np.sum(np.linalg.svd(columns, compute_uv=False) > 10 * TOUCHING))
+    aligned = bool(turns) and parallel(turns)
     if not slides:
         if rank == 1:
             return f"the axes of {names} coincide"
-        relation = "are parallel" if parallel else "meet in a point" if _meeting(turns, _spread(turns)) is not None else ""
+        meet = meeting_point(turns, spread(turns)) is not None
+        relation = "are parallel" if aligned else "meet in a point" if meet else ""
         if rank == 2 and relation:
             return f"the axes of {names} {relation} and lie in one plane"
-        if relation or _one_plane(turns):
+        if relation or in_one_plane(turns):
             return f"the axes of {names} {relation or 'lie in one plane'}"
     elif not turns:
         return f"the slides {names} are parallel" + (" to one plane" if rank > 1 else "")
-    elif len(turns) == 2 and len(slides) == 1 and parallel:
+    elif len(turns) == 2 and len(slides) == 1 and aligned:
         pair = _list([axis.joint for axis in turns])
         return f"slide {_list([slides[0].joint])} is perpendicular to the plane of the parallel axes of {pair}"
-    elif len(turns) > 1 and parallel:
-        return f"the axes of {_list([axis.joint for axis in turns])} are parallel, and {_slides(slides)} to their motion"
+    elif len(turns) > 1 and aligned:
+        return (
+            f"the axes of {_list([axis.joint for axis in turns])} are parallel, and {_slides(slides)} to their motion"
+        )
     return f"the motions of {names} are dependent"
 
 
@@ -294,45 +297,8 @@ def _point_words(axes: Sequence[Axis]) -> str:
         return f"the tool point lies on the axis of {names}"
     if any(axis.point is None for axis in axes):
         return f"{names} move the tool point along {'one line' if len(axes) == 2 else 'one plane'}"
-    planes = "lies in the plane of" if _one_plane(axes) else "lies in one plane with each of"
+    planes = "lies in the plane of" if in_one_plane(axes) else "lies in one plane with each of"
     return f"the tool point {planes} the axes of {names}"
-
-
-def _spread(axes: Sequence[Axis]) -> float:
-    points = np.array([axis.point for axis in axes])
-    return max(float(np.max(np.abs(points - points[0]))), 1e-3)
-
-
-def _meeting(axes: Sequence[Axis], length: float) -> Array | None:
-    """Return the point in which lines meet; None if they do not, or if they are parallel."""
-    blocks = [np.eye(3) - np.outer(axis.direction, axis.direction) for axis in axes]
-    points = [axis.point for axis in axes if axis.point is not None]
-    matrix = np.concatenate(blocks)
-    values = np.linalg.svd(matrix, compute_uv=False)
-    if values[-1] < _TOUCHING:
-        return None
-    right = np.concatenate([block @ point for block, point in zip(blocks, points, strict=True)])
-    centre: Array = np.linalg.lstsq(matrix, right, rcond=None)[0]
-    return centre if max(_distance(axis, centre) for axis in axes) < _TOUCHING * length else None
-
-
-def _distance(axis: Axis, point: Array) -> float:
-    assert axis.point is not None
-    return float(np.linalg.norm(np.cross(point - axis.point, axis.direction)))
-
-
-def _one_plane(axes: Sequence[Axis]) -> bool:
-    """Return whether lines lie in one plane."""
-    points = np.array([axis.point for axis in axes])
-    vectors = np.concatenate([(points - points[0]) / _spread(axes), [axis.direction for axis in axes]])
-    return bool(np.linalg.svd(vectors, compute_uv=False)[2] < _TOUCHING)
-
-
-def _in_plane(axes: Sequence[Axis], point: Array, length: float) -> bool:
-    """Return whether lines and a point lie in one plane."""
-    assert all(axis.point is not None for axis in axes)
-    vectors = [axis.direction for axis in axes] + [(axis.point - point) / length for axis in axes if axis.point is not None]
-    return bool(np.linalg.svd(np.array(vectors), compute_uv=False)[2] < _TOUCHING)
 
 
 def _of_axes(axes: Sequence[Axis]) -> str:

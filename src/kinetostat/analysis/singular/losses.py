@@ -10,6 +10,7 @@ import numpy as np
 from kinetostat.analysis.singular.mechanism import MODEL, Mechanism
 from kinetostat.conventions import Array
 from kinetostat.errors import quote
+from kinetostat.screw import so3
 
 __all__ = ["LostWrench", "SelfMotion", "lost_space", "lost_wrenches", "motion_space", "self_motions"]
 
@@ -24,7 +25,7 @@ class LostWrench:
     """A wrench that no joint feels: the motion along it is lost.
 
     Attributes:
-        wrench: (f ; m) in the observer's axes, moment about the tool point; |f| = 1, or |m| = 1 where f is 0. (6,), N, Nm.
+        wrench: (f ; m) in the observer's axes, moment about the tool point, |f| = 1 or, where f = 0, |m| = 1. (6,).
         axis: unit direction of its screw, in the observer's axes. (3,).
         point: the point of the screw's axis next to the tool point, in the observer's coordinates; None for a couple.
         pitch: f.m / f.f in m per rad; infinite for a couple.
@@ -80,7 +81,7 @@ def lost_space(mechanism: Mechanism, q: Array, rank: int) -> Array:
 
 
 def _plainest(mechanism: Mechanism, lost: Array, everywhere: Array) -> Array:
-    """Return lost wrenches with wrenches that are unfelt everywhere added, so as to be couples or forces if they can."""
+    """Return lost wrenches plus such as are unfelt everywhere, so as to be plain couples or forces if they can."""
     rows = np.array(mechanism.task.rows)
     plain = lost.copy()
     for unwanted in (rows >= 3, rows < 3):  # forces through the tool point first, couples win
@@ -105,7 +106,9 @@ def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array) -> LostWrench
     size = float(np.linalg.norm(force)) * mechanism.length
     if size <= _PURE * float(np.linalg.norm(moment)):
         wrench = _signed(np.concatenate([np.zeros(3), moment / np.linalg.norm(moment)]))
-        words = f"{_tool(mechanism)} cannot turn about {_direction(mechanism, wrench[3:])}; it resists any moment about it"
+        words = (
+            f"{_tool(mechanism)} cannot turn about {_direction(mechanism, wrench[3:])}; it resists any moment about it"
+        )
         return LostWrench(wrench, wrench[3:], None, math.inf, words)
     wrench = _signed(wrench / np.linalg.norm(force))
     force, moment = wrench[:3], wrench[3:]
@@ -137,7 +140,7 @@ def _direction(mechanism: Mechanism, direction: Array) -> str:
 
 
 def self_motions(mechanism: Mechanism, q: Array, basis: Array) -> tuple[SelfMotion, ...]:
-    """Return the rates of a basis (n, k), as few joints in each as possible, each walked to see whether it is finite."""
+    """Return the rates of a basis (n, k), few joints in each, each walked to see whether it is finite."""
     found = []
     for row in _sparse((basis * mechanism.units[:, None]).T):
         rates = _signed(row / np.max(np.abs(row)))
@@ -172,8 +175,6 @@ def _walks(mechanism: Mechanism, start: Array, rates: Array) -> bool:
 
 def _gap(placement: Array, home: Array, length: float) -> Array:
     """Return how far a placement is from home: displacement in units of L, rotation vector in rad. (6,)."""
-    from kinetostat.screw import so3
-
     turn = so3.log(placement[:3, :3] @ home[:3, :3].T)
     return np.concatenate([(placement[:3, 3] - home[:3, 3]) / length, turn])
 

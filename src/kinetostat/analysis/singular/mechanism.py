@@ -12,7 +12,7 @@ import numpy as np
 from kinetostat.analysis.configuration import position_range
 from kinetostat.analysis.jacobian import checked_point
 from kinetostat.analysis.task import FULL, TRANSLATION, Task, turning_columns
-from kinetostat.conventions import Array, Reference, Velocity
+from kinetostat.conventions import Array, Flags, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.engines.screw import ScrewEngine
 from kinetostat.errors import UsageError, quote
@@ -85,13 +85,14 @@ class Mechanism:
 
     def smallest(self, q: Array) -> Array:
         """Return the singular value that decides: s_r. (..., n) -> (...)."""
-        values: Array = np.linalg.svd(self.jacobian(q), compute_uv=False)[..., self.generic_rank - 1]
+        values: Any = np.linalg.svd(self.jacobian(q), compute_uv=False)[..., self.generic_rank - 1]
         return values
 
     def draw(self, generator: np.random.Generator, shape: tuple[int, ...], *, limited: bool = False) -> Array:
         """Return random coordinates (*shape, n): angles of a whole turn, slides inside limits; or all inside limits."""
         lower, upper = self.limits if limited else self.spans
-        return lower + (upper - lower) * generator.random((*shape, len(self.names)))
+        drawn: Array = lower + (upper - lower) * generator.random((*shape, len(self.names)))
+        return drawn
 
     @cached_property
     def limits(self) -> tuple[Array, Array]:
@@ -125,7 +126,7 @@ class Mechanism:
         least = wrapped + np.where(turning, 2 * math.pi * np.ceil((start - _SLACK - wrapped) / (2 * math.pi)), 0.0)
         return np.where(self._between(wrapped), wrapped, np.where(self._between(least), least, wrapped))
 
-    def inside(self, q: Array) -> Array:
+    def inside(self, q: Array) -> Flags:
         """Return for each coordinate whether it is inside its limits, angles by whole turns. (..., n) -> (..., n)."""
         return self._between(self.into_limits(q))
 
@@ -133,9 +134,9 @@ class Mechanism:
         """Return whether coordinates as they stand are inside their limits. (n,)."""
         return bool(np.all(self._between(q)))
 
-    def _between(self, q: Array) -> Array:
+    def _between(self, q: Array) -> Flags:
         lower, upper = self.stated_limits
-        between: Array = (q >= lower - _SLACK) & (q <= upper + _SLACK)
+        between: Flags = (q >= lower - _SLACK) & (q <= upper + _SLACK)
         return between
 
     def configuration(self, q: Array, rest: Array) -> Array:

@@ -1,8 +1,8 @@
 """From any configuration to a singular one: batched Levenberg-Marquardt on the reciprocal system.
 
 A Jacobian (m, n) of generic rank r is singular where a matrix A, which is J^T or J, has k independent null vectors, one
-more than its structure gives it: A(q) Y = 0, Y^T Y = 1. With A = J^T they are wrenches that no joint feels, k = m - r + 1;
-with A = J, joint rates that move nothing, k = n - r + 1. The smaller k is taken; it is 1 for most arms.
+more than its structure gives it: A(q) Y = 0, Y^T Y = 1. With A = J^T they are wrenches that no joint feels, k = m - r +
+1; with A = J, joint rates that move nothing, k = n - r + 1. The smaller k is taken; it is 1 for most arms.
 
     F(x, Y) = [A(x) Y ; (Y^T Y - 1) / 2] = 0,   damping |F|^2
 

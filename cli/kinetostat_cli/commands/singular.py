@@ -1,0 +1,145 @@
+"""`kinetostat singular`: is a configuration singular, and where are the singular ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from kinetostat_cli import completion
+from kinetostat_cli.console import Answer, configuration, load, progress_bar, triple, write_answer
+from kinetostat_cli.options import (
+    AxesOption,
+    ConfigurationOptions,
+    FrameOption,
+    OutputOptions,
+    PointOption,
+    RelativeToOption,
+    RobotOptions,
+    grouped,
+)
+
+__all__ = ["register"]
+
+
+@grouped
+def at(
+    robot: RobotOptions,
+    at: ConfigurationOptions,
+    output: OutputOptions,
+    frame: FrameOption = None,
+    relative_to: RelativeToOption = None,
+    point: PointOption = None,
+    axes: AxesOption = None,
+) -> None:
+    """Say whether a configuration is singular, why, what is lost, and how far the next singularity is.
+
+    Rows are in the observer's axes. Without --axes all six count; only positions, where three joints or fewer move the
+    point independently.
+
+    Example: kinetostat singular at example:ur5_robot -f tool0 -q elbow_joint=0,wrist_2_joint=1
+    """
+    import kinetostat
+    from kinetostat.report.singular import singular_at_result, singular_at_view
+
+    model = load(robot, output)
+    tip = model.robot.frame(frame or model.robot.default_tip())
+    q = configuration(model, at)
+    result = kinetostat.singular_at(model, tip, q.q, relative_to=relative_to, point=triple(point, "--point"), axes=axes)
+    write_answer(
+        Answer(
+            "singular at",
+            lambda: singular_at_view(result, q, degrees=at.deg),
+            lambda: singular_at_result(result),
+            model,
+            q,
+            result.certificate,
+            result.warnings,
+        ),
+        output,
+    )
+
+
+@grouped
+def find(
+    robot: RobotOptions,
+    at: ConfigurationOptions,
+    output: OutputOptions,
+    frame: FrameOption = None,
+    relative_to: RelativeToOption = None,
+    point: PointOption = None,
+    axes: AxesOption = None,
+    starts: Annotated[int, typer.Option(metavar="N", help="How many searches are made.")] = 1000,
+    seed: Annotated[int, typer.Option(min=0, metavar="N", help="Seed of the random numbers.")] = 0,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Draw the singular values over two joints, or a planar arm's workspace: .svg, .png or .pdf.",
+        ),
+    ] = None,
+    joints: Annotated[
+        str | None,
+        typer.Option(
+            metavar="J1,J2",
+            help="Draw over these two joints, the others held at --config.",
+            autocompletion=completion.joints,
+        ),
+    ] = None,
+) -> None:
+    """Find where the singular configurations are, as families with a condition, a kind and a witness.
+
+    Conditions on one joint alone are found completely; others by search. --config matters to --plot alone.
+
+    Example: kinetostat singular find example:ur5_robot -f tool0
+    """
+    import kinetostat
+    from kinetostat.report.singular import singular_find_result, singular_find_view
+
+    if plot is not None:
+        from kinetostat.report.figure import check_suffix
+
+        check_suffix(plot)
+    model = load(robot, output)
+    tip = model.robot.frame(frame or model.robot.default_tip())
+    with progress_bar() as progress:
+        result = kinetostat.singular_find(
+            model,
+            tip,
+            relative_to=relative_to,
+            point=triple(point, "--point"),
+            axes=axes,
+            starts=starts,
+            seed=seed,
+            progress=progress,
+        )
+    if plot is not None:
+        _draw(result, configuration(model, at).q, joints, plot, degrees=at.deg)
+    write_answer(
+        Answer(
+            "singular find",
+            lambda: singular_find_view(result, degrees=at.deg),
+            lambda: singular_find_result(result),
+            model,
+            None,
+            result.certificate,
+        ),
+        output,
+    )
+
+
+def _draw(result: object, q: object, joints: str | None, plot: Path, *, degrees: bool) -> None:
+    raise NotImplementedError
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    both = typer.Typer(
+        no_args_is_help=True,
+        rich_markup_mode=None,
+        help="Singular configurations: at one, why and what is lost; and where all of them are.",
+    )
+    both.command("at")(at)
+    both.command("find")(find)
+    app.add_typer(both, name="singular")

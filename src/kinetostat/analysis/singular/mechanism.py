@@ -85,8 +85,8 @@ class Mechanism:
 
     def smallest(self, q: Array) -> Array:
         """Return the singular value that decides: s_r. (..., n) -> (...)."""
-        values: Any = np.linalg.svd(self.jacobian(q), compute_uv=False)[..., self.generic_rank - 1]
-        return values
+        values = np.linalg.svd(self.jacobian(q), compute_uv=False)
+        return np.asarray(values[..., self.generic_rank - 1], dtype=np.float64)
 
     def draw(self, generator: np.random.Generator, shape: tuple[int, ...], *, limited: bool = False) -> Array:
         """Return random coordinates (*shape, n): angles of a whole turn, slides inside limits; or all inside limits."""

@@ -45,7 +45,7 @@ def legend_text(figure):
 
 def stated_scale(figure, name):
     """Return the metres per unit that the legend states."""
-    return float(re.search(rf"{name} ellipsoid: 1 ?\S* drawn as (\S+) m", legend_text(figure))[1])
+    return float(re.search(rf"{name} ellipsoid.*: 1 ?\S* drawn as (\S+) m", legend_text(figure))[1])
 
 
 def outline(patch):
@@ -128,6 +128,13 @@ def vector(label):
     return found
 
 
+def test_the_title_tells_the_positions_with_their_units():
+    figure, _ = drawn("textbook:stanford", "joint1=0.25,joint2=-1,joint3=0.5,joint6=0.125")
+    shown = [text.get_text() for text in figure.texts]
+    assert shown[0] == "stanford: tool relative to base"
+    assert "at q = 0.25, -1 rad, 0.5 m, 0, 0, 0.125 rad" in shown
+
+
 def test_the_point_of_the_world_reference_is_the_observers_origin():
     figure, _ = drawn("textbook:planar_2r", (0.5, 0.7), reference="world")
     (line,) = labelled(figure.axes[0], "velocity")  # joint1 does not move that point: one joint, one line
@@ -166,13 +173,13 @@ def test_a_stretched_arm_moves_along_a_line_and_holds_any_force_along_itself():
     start, end = (np.array(side) for side in arrow._posA_posB)
     assert abs(np.cross([*(end - start), 0], [np.cos(np.pi / 6), np.sin(np.pi / 6), 0])[2]) < 1e-12
     assert "force without bound" in legend_text(figure)
-    assert "∞ (across the picture), ∞, 0.508" in legend_text(figure)
+    assert "∞ (end-on), ∞, 0.508" in legend_text(figure)
 
 
 def test_a_regular_planar_arm_has_no_arrow_but_says_what_it_holds_across():
     figure, _ = drawn("textbook:planar_2r", (0.3, 1.0))
     assert labelled(figure.axes[0], "force without bound") == []
-    assert "∞ (across the picture)" in legend_text(figure)
+    assert "∞ (end-on)" in legend_text(figure)
 
 
 @pytest.mark.parametrize(("source", "frame", "q"), [

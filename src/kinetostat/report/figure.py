@@ -381,12 +381,13 @@ def _manipulability_title(
 
 def _positions(model: Model, result: Manipulability, at: Configuration) -> str:
     """Return the positions of the joints between observer and frame, in path order."""
-    robot, shown = model.robot, list[str]()
+    robot, shown, units = model.robot, list[str](), list[str]()
     for joint in robot.movable_path(result.velocity.relative_to, result.velocity.of):
         values = " ".join(f"{round(float(x), 4) + 0.0:.4g}" for x in at.q[robot.position_slices[joint.name]])
-        shown.append(f"{values} rad" if joint.type.is_angle else f"{values} m" if joint.type.nq == 1 else f"({values})")
-    if all(text.endswith(" rad") for text in shown):
-        shown = [*(text.removesuffix(" rad") for text in shown[:-1]), shown[-1]]
+        shown.append(f"({values})" if joint.type.nq > 1 else values)
+        units.append("" if joint.type.nq > 1 else " rad" if joint.type.is_angle else " m")
+    for i, (unit, following) in enumerate(zip(units, [*units[1:], ""], strict=True)):
+        shown[i] += "" if unit == following else unit  # once, after the last of several
     return f"at q = {', '.join(shown)}"
 
 
@@ -750,11 +751,12 @@ def _ellipsoid_entries(scene: _Scene, views: Sequence[Array]) -> list[tuple[Any,
 def _shape_label(shape: _Shape, views: Sequence[Array]) -> str:
     lengths = ", ".join(_number(length) for length in sorted(shape.lengths, reverse=True))
     if len(views) == 1 and shape.directions(views[0]).shape[1] < np.sum(shape.endless):
-        lengths = lengths.replace("∞", "∞ (across the picture)", 1)
-    unit = "" if shape.unit == "mixed units" else f" {shape.unit}"
+        lengths = lengths.replace("∞", "∞ (end-on)", 1)
+    mixed = shape.unit == "mixed units"
+    unit, kind = ("", " (mixed units)") if mixed else (f" {shape.unit}", "")
     finite = np.any(np.isfinite(shape.lengths) & (shape.lengths > 0))
     drawn = f"1{unit} drawn as {shape.scale:g} m" if finite else "without bound" if shape.endless.any() else "a point"
-    return f"{shape.name} ellipsoid: {drawn}\nsemi-axes {lengths}{unit or ' (mixed units)'}"
+    return f"{shape.name} ellipsoid{kind}: {drawn}\nsemi-axes {lengths}{unit}"
 
 
 # --- slices ----------------------------------------------------------------------------------------------------

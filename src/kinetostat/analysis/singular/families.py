@@ -73,10 +73,15 @@ def held_sets(mechanism: Mechanism, q: Array, size: int, generator: np.random.Ge
     masks = np.array([[i in chosen for i in range(q.shape[-1])] for chosen in sets])
     screened = _stay(mechanism, q[:, None, :], masks, 1, generator)
     for which, chosen in zip(*np.nonzero(screened), strict=True):
-        held = q[which], masks[chosen]
-        if _stay(mechanism, *held, _DRAWS, generator) and _stay(mechanism, *held, _MANY_DRAWS, generator):
+        if _stays_held(mechanism, q[which], sets[chosen], generator):
             found[which].append(sets[chosen])
     return found
+
+
+def _stays_held(mechanism: Mechanism, q: Array, held: tuple[int, ...], generator: np.random.Generator) -> bool:
+    """Return whether one configuration (n,) stays singular with some joints held, beyond chance."""
+    mask = np.isin(np.arange(q.shape[-1]), held)
+    return all(bool(_stay(mechanism, q, mask, draws, generator)) for draws in (_DRAWS, _MANY_DRAWS))
 
 
 def _stay(mechanism: Mechanism, q: Array, masks: Flags, draws: int, generator: np.random.Generator) -> Flags:
@@ -162,7 +167,7 @@ def _surfaces(mechanism: Mechanism, q: Array, generator: np.random.Generator) ->
     isolated, found = list[Group](), dict[tuple[Any, ...], list[int]]()
     for i, row in enumerate(stays):
         support, codimension = tuple(int(j) for j in np.flatnonzero(~row)), _codimension(mechanism, q[i])
-        if support and codimension == len(support):
+        if codimension == len(support) > 2 and _stays_held(mechanism, q[i], support, generator):
             if not any(g.held == support and on_group(mechanism, g, q[i : i + 1])[0] for g in isolated):
                 draft = group_of(mechanism, support, q[i][list(support)], generator)
                 isolated.append(replace(draft, members=q[on_group(mechanism, draft, q)]))

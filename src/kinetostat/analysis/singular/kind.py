@@ -20,7 +20,7 @@ from kinetostat.conventions import Array
 
 __all__ = ["kind"]
 
-_NOTHING = 1e-5  # of the size of dJ
+_NOTHING = 1e-8  # of the size of dJ
 
 
 def kind(mechanism: Mechanism, q: Array, lost: Array, motions: Array) -> str:
@@ -34,10 +34,12 @@ def kind(mechanism: Mechanism, q: Array, lost: Array, motions: Array) -> str:
         lost: lost directions u as columns, (m, k).
         motions: rates v that move nothing as columns, (n, l).
     """
-    _, along = mechanism.derivatives(q)
+    matrix, along = mechanism.derivatives(q)
     forms = np.einsum("rk,rij,ia,jb->kab", lost, along, motions, motions, optimize=True)
     forms = (forms + np.swapaxes(forms, -1, -2)) / 2
-    nothing = _NOTHING * max(1.0, float(np.max(np.abs(along))))
+    # As far as the matrix is from singular, so far is the form from what it would be if it were.
+    off = float(np.max(np.linalg.norm(matrix @ motions, axis=0)))
+    nothing = max(_NOTHING, 10 * off) * max(1.0, float(np.max(np.abs(along))))
     if float(np.max(np.abs(forms))) < nothing:
         return "tangential"
     generator = np.random.default_rng(0)

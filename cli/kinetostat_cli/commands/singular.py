@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from kinetostat.conventions import Array
 from kinetostat_cli import completion
 from kinetostat_cli.console import Answer, configuration, load, progress_bar, triple, write_answer
 from kinetostat_cli.options import (
@@ -19,6 +20,9 @@ from kinetostat_cli.options import (
     RobotOptions,
     grouped,
 )
+
+if TYPE_CHECKING:
+    from kinetostat import SingularFamilies
 
 __all__ = ["register"]
 
@@ -129,8 +133,17 @@ def find(
     )
 
 
-def _draw(result: object, q: object, joints: str | None, plot: Path, *, degrees: bool) -> None:
-    raise NotImplementedError
+def _draw(result: SingularFamilies, q: Array, joints: str | None, plot: Path, *, degrees: bool) -> None:
+    """Draw a planar arm's workspace, or a slice over two joints."""
+    from kinetostat.analysis.singular.slices import is_planar, slice_over, workspace
+    from kinetostat.report.figure import save, slice_figure, workspace_figure
+
+    arm = result.mechanism
+    if joints is None and is_planar(arm):
+        save(workspace_figure(workspace(result)), plot)
+        return
+    chosen = None if joints is None else [name.strip() for name in joints.split(",")]
+    save(slice_figure(slice_over(result, chosen, q[list(arm.indices)]), degrees=degrees), plot)
 
 
 def register(app: typer.Typer) -> None:

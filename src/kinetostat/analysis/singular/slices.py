@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from kinetostat.conventions import Array
+import numpy as np
 
-__all__ = ["Curve", "Mark", "Slice", "Workspace"]
+from kinetostat.analysis.singular.find import Family, SingularFamilies
+from kinetostat.analysis.singular.mechanism import Mechanism
+from kinetostat.conventions import Array
+from kinetostat.errors import UsageError, printable, unknown_name
+
+__all__ = ["Curve", "Mark", "Slice", "Workspace", "is_planar", "slice_over", "workspace"]
+
+_CLOUD = 4000  # configurations whose tool positions show where the arm gets
+_FLAT = 1e-6  # relative: what is smaller does not leave a plane
 
 
 @dataclass(frozen=True)
@@ -87,3 +96,151 @@ class Workspace:
     smallest: Array
     curves: tuple[Curve, ...]
     unlimited: tuple[Curve, ...]
+
+
+def slice_over(
+    result: SingularFamilies, joints: Sequence[str] | None = None, q: Array | None = None, *, points: int = 181
+) -> Slice:
+    """Return the smallest singular value over two joints of an arm.
+
+    Args:
+        result: the arm and its families.
+        joints: names of two of its coordinates; default the two that conditions inside limits are most often about.
+        q: coordinates (n,) in which the others are held; default the middle of their limits.
+        points: how many positions of each joint.
+
+    Raises:
+        UsageError: fewer than two joints, or two that are one.
+        UnknownNameError: a joint is not one of the arm's.
+    """
+    arm = result.mechanism
+    first, second = _indices(arm, joints) if joints else _telling(result)
+    lower, upper = arm.spans
+    rest = (arm.limits[0] + arm.limits[1]) / 2 if q is None else np.asarray(q, dtype=np.float64)
+    x, y = np.linspace(lower[first], upper[first], points), np.linspace(lower[second], upper[second], points)
+    grid = np.broadcast_to(rest, (points, points, len(rest))).copy()
+    grid[..., first], grid[..., second] = x[None, :], y[:, None]
+    matrix = arm.jacobian(grid)
+    values: Array = arm.smallest(grid)
+    square = matrix.shape[-1] == matrix.shape[-2] == arm.generic_rank
+    stated = [(float(ends[0]), float(ends[1])) for ends in np.stack(arm.stated_limits, -1)]
+    return Slice(
+        (arm.names[first], arm.names[second]),
+        ("rad" if arm.turning[first] else "m", "rad" if arm.turning[second] else "m"),
+        x,
+        y,
+        values,
+        np.linalg.det(matrix) if square else None,
+        (stated[first], stated[second]),
+        tuple(mark for family in result.families for mark in _marks(arm, family, first, second)),
+        (float(rest[first]), float(rest[second])),
+    )
+
+
+def _indices(arm: Mechanism, joints: Sequence[str]) -> tuple[int, int]:
+    unknown = next((name for name in joints if name not in arm.names), None)
+    if unknown is not None:
+        raise unknown_name("joint of the arm", unknown, arm.names)
+    if len(joints) != 2 or joints[0] == joints[1]:
+        raise UsageError("a slice is over two joints", remedy="--joints J1,J2")
+    return arm.names.index(joints[0]), arm.names.index(joints[1])
+
+
+def _telling(result: SingularFamilies) -> tuple[int, int]:
+    """Return the two coordinates that most conditions are about, those inside limits counting first."""
+    arm = result.mechanism
+    if len(arm.names) < 2:
+        raise UsageError("there are not two joints to draw over", remedy="leave out --plot")
+    weight = dict.fromkeys(range(len(arm.names)), 0)
+    for family in result.families:
+        for name in family.support:
+            weight[arm.names.index(name)] += 100 if family.inside_limits else 1
+    first, second = sorted(weight, key=lambda i: (-weight[i], i))[:2]
+    return min(first, second), max(first, second)
+
+
+def _marks(arm: Mechanism, family: Family, first: int, second: int) -> list[Mark]:
+    """Return where a family with a position of its own for one or both joints meets the slice."""
+    if family.implicit or not set(family.positions) <= {arm.names[first], arm.names[second]}:
+        return []
+    x, y = (family.positions.get(arm.names[i]) for i in (first, second))
+    label = ", ".join(f"{printable(name)} = {value:.4g}" for name, value in family.positions.items())
+    return [Mark(label, x, y, family.inside_limits)]
+
+
+def is_planar(arm: Mechanism) -> bool:
+    """Return whether an arm moves its tool in a plane whatever its joints do, with two joints or more."""
+    return len(arm.names) > 1 and _plane(arm) is not None
+
+
+def _plane(arm: Mechanism) -> tuple[Array, tuple[str, str]] | None:
+    """Return unit vectors along the plane of an arm, (3, 2), and their names; None if it has no plane."""
+    samples = arm.chain.jacobian(arm.draw(np.random.default_rng(0), (6,)))
+    moves = np.concatenate([np.swapaxes(samples[:, :3], -1, -2).reshape(-1, 3) / arm.length])
+    turns = np.swapaxes(samples[:, 3:], -1, -2).reshape(-1, 3)
+    _, sizes, across = np.linalg.svd(moves)
+    if sizes[1] < _FLAT or sizes[2] > _FLAT or float(np.max(np.abs(turns @ across[:2].T))) > _FLAT:
+        return None
+    normal = across[2]
+    along = int(np.argmax(np.abs(normal)))
+    if abs(normal[along]) > 1 - _FLAT:
+        first, second = [(1, 2), (0, 2), (0, 1)][along]
+        return np.eye(3)[:, [first, second]], ("xyz"[first], "xyz"[second])
+    return across[:2].T, ("u", "v")
+
+
+def workspace(result: SingularFamilies, *, points: int = 361) -> Workspace:
+    """Return where the tool of a planar arm gets, and the curves that bound and divide it.
+
+    Curves are drawn where conditions leave one joint free: a 2R arm's singular circles, and with limits its arcs.
+
+    Raises:
+        UsageError: the arm does not move in a plane.
+    """
+    arm = result.mechanism
+    found = _plane(arm) if len(arm.names) > 1 else None
+    if found is None:
+        raise UsageError("the arm does not move in one plane", remedy="--joints J1,J2 draws a slice instead")
+    plane, names = found
+    q = arm.draw(np.random.default_rng(0), (_CLOUD,), limited=True)
+    inside, unlimited = list[Curve](), list[Curve]()
+    for family in result.families:
+        if family.implicit or len(family.positions) != len(arm.names) - 1:
+            continue
+        held = {arm.names.index(name): value for name, value in family.positions.items()}
+        label = ", ".join(f"{printable(name)} = {value:.4g}" for name, value in family.positions.items())
+        unlimited.append(Curve(label, _swept(arm, held, arm.spans, plane, points), "singular"))
+        if family.inside_limits:
+            inside.append(Curve(label, _swept(arm, held, arm.limits, plane, points), "singular"))
+    return Workspace(
+        names,
+        arm.velocity.relative_to,
+        arm.chain.columns(q)[1][:, :3, 3] @ plane,
+        arm.smallest(q),
+        (*inside, *_limit_curves(arm, plane, points)),
+        tuple(unlimited),
+    )
+
+
+def _limit_curves(arm: Mechanism, plane: Array, points: int) -> list[Curve]:
+    """Return where the tool of an arm of two joints gets with one of them at a limit."""
+    if len(arm.names) != 2:
+        return []
+    curves = []
+    for i, name in enumerate(arm.names):
+        for end in (ends[i] for ends in arm.stated_limits):
+            if np.isfinite(end):
+                swept = _swept(arm, {i: float(end)}, arm.limits, plane, points)
+                curves.append(Curve(f"{printable(name)} at {end:.4g}", swept, "limit"))
+    return curves
+
+
+def _swept(arm: Mechanism, held: dict[int, float], ends: tuple[Array, Array], plane: Array, points: int) -> Array:
+    """Return the tool's curve in the plane, (points, 2), when the joint that is not held goes through its range."""
+    free = next(i for i in range(len(arm.names)) if i not in held)
+    q = np.zeros((points, len(arm.names)))
+    for i, value in held.items():
+        q[:, i] = value
+    q[:, free] = np.linspace(ends[0][free], ends[1][free], points)
+    curve: Array = arm.chain.columns(q)[1][:, :3, 3] @ plane
+    return curve

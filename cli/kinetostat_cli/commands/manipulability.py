@@ -68,6 +68,10 @@ def manipulability(
     import kinetostat
     from kinetostat.report.manipulability import manipulability_result, manipulability_view
 
+    if plot is not None:
+        from kinetostat.report.figure import check_suffix
+
+        check_suffix(plot)
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
     q = configuration(model, at)

@@ -334,8 +334,8 @@ def _block(
     gradients = _gradients(values, slopes)
     volume = np.prod(values, axis=-1)
     inverse_condition = np.divide(values[..., -1], values[..., 0], out=np.zeros_like(volume), where=values[..., 0] > 0)
-    squares = np.mean(values**2, axis=-1)
-    isotropy = np.divide(volume ** (2 / count), squares, out=np.zeros_like(volume), where=squares > 0)
+    squares, regular = np.mean(values**2, axis=-1), ~np.any(zero[..., :count], axis=-1)
+    isotropy = np.divide(volume ** (2 / count), squares, out=np.zeros_like(volume), where=regular)  # a root of noise
     penalised = None
     if weights is not None and weights.penalty is not None and weights.penalty_gradient is not None:
         penalised = volume * weights.penalty

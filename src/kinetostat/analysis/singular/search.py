@@ -20,8 +20,9 @@ from kinetostat.conventions import Array
 
 __all__ = ["constraints", "converge"]
 
-_ITERATIONS = 60
+_ITERATIONS = 200
 _SOLVED = 1e-13
+_STUCK = 1e-9  # a step this short, far from a solution, is the end at a local minimum
 _ANSWERED = 1e-4  # singular value of the derivative by Y below which Y has no answer
 _REJECTED = 10.0  # how much a rejected step raises the damping
 
@@ -38,14 +39,15 @@ def converge(mechanism: Mechanism, starts: Array) -> tuple[Array, Array]:
     """
     q = np.array(starts, dtype=np.float64)
     y = _last_vectors(mechanism, q)
-    damping = np.ones(len(q))
+    damping, stuck = np.ones(len(q)), np.zeros(len(q), dtype=bool)
     residual, slope = _system(mechanism, q, y)
     for _ in range(_ITERATIONS):
         size = np.linalg.norm(residual, axis=-1)
-        open_ = np.flatnonzero(size > _SOLVED)
+        open_ = np.flatnonzero((size > _SOLVED) & ~stuck)
         if len(open_) == 0:
             break
         step = _step(residual[open_], slope[open_], damping[open_] * np.minimum(size[open_] ** 2, 1.0))
+        stuck[open_] = (np.linalg.norm(step, axis=-1) < _STUCK) & (size[open_] > _STUCK**0.5)
         n = q.shape[-1]
         tried_q = q[open_] + step[:, :n] * mechanism.units
         tried_y = y[open_] + step[:, n:].reshape(-1, y.shape[-1], y.shape[-2]).swapaxes(-1, -2)

@@ -241,8 +241,9 @@ def singular_find_view(result: SingularFamilies, *, degrees: bool) -> View:
 
 def _family_row(arm: Mechanism, family: Family, degrees: bool) -> tuple[Cell, ...]:
     words = condition_words(arm, family.positions, family.support, degrees=degrees)
-    rounded = " (but for rounding)" if family.tolerance == "model" else ""
-    return family.name or "-", str(family.codimension), family.kind, str(family.hits), words + rounded
+    rounded = " (rounded)" if family.tolerance == "model" else ""
+    kind = "mixed" if " or " in family.kind else family.kind
+    return family.name or "-", str(family.codimension), kind, str(family.hits), words + rounded
 
 
 def _why_families(arm: Mechanism, families: Sequence[Family], degrees: bool) -> Table:
@@ -272,7 +273,7 @@ def _coverage(result: SingularFamilies) -> tuple[str, ...]:
         notes.append("conditions on one joint alone: found by search")
     if coverage.unseen is not None:
         notes.append(
-            f"all others: statistical; {coverage.seen_once} families seen once, so that a further search would end on "
+            f"all others: statistical; families seen once: {coverage.seen_once}, so that a further search would end on "
             f"an unseen one with a chance of about {coverage.unseen:.2g} (Good-Turing)"
         )
     return tuple(notes)

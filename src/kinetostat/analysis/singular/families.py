@@ -9,6 +9,7 @@ of which each one alone can leave the surface, and by their codimension, from th
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
@@ -26,7 +27,10 @@ _MANY_DRAWS = 512  # enough that arms which are nearly singular there do not pas
 _CHUNK = 16  # configurations that are tried for sets before what they explain is taken out
 _APART = 1e-3  # rad or L: positions of one family differ by less
 _EXACT = 10 * STRICT
-_SHARED = 1e-5  # rad or m: positions that differ by less are one
+_SHARED = 1e-5  # rad or m: a window in which positions that many share must lie
+_SHARE = 0.02  # how many are many
+_ROUNDED = 1e-3  # rad or m: positions so close to one that many share are that one, but for rounding
+_SAME = 1e-8  # rad or m: and those that differ by less are one in exact numbers
 _FEWEST = 4  # configurations that share one
 _INDEPENDENT = 1e-5  # singular value of gradients below which they are dependent
 
@@ -164,7 +168,7 @@ def _surfaces(mechanism: Mechanism, q: Array, generator: np.random.Generator) ->
     count = q.shape[-1]
     stays = _stay(mechanism, q[:, None, :], ~np.eye(count, dtype=bool), 4, generator)  # all held but one
     common = _common_positions(mechanism, q)
-    isolated, found = list[Group](), dict[tuple[Any, ...], list[int]]()
+    isolated, found = list[Group](), dict[tuple[Any, ...], list[tuple[int, int]]]()
     for i, row in enumerate(stays):
         support, codimension = tuple(int(j) for j in np.flatnonzero(~row)), _codimension(mechanism, q[i])
         if codimension == len(support) > 2 and _stays_held(mechanism, q[i], support, generator):
@@ -173,12 +177,26 @@ def _surfaces(mechanism: Mechanism, q: Array, generator: np.random.Generator) ->
                 isolated.append(replace(draft, members=q[on_group(mechanism, draft, q)]))
             continue
         fixed = tuple((j, float(common[i, j])) for j in support if np.isfinite(common[i, j]))
-        found.setdefault((support, fixed, codimension), []).append(i)
-    surfaces = [
-        Group(tuple(j for j, _ in fixed), tuple(c for _, c in fixed), support, codimension, True, q[members])
-        for (support, fixed, codimension), members in sorted(found.items(), key=lambda item: -len(item[1]))
-    ]
-    return isolated + _without_slivers(surfaces)
+        found.setdefault((support, fixed), []).append((i, codimension))
+    surfaces = [_surface(mechanism, support, fixed, q, members) for (support, fixed), members in found.items()]
+    return isolated + _without_slivers(sorted(surfaces, key=lambda group: -len(group.members)))
+
+
+def _surface(
+    mechanism: Mechanism,
+    support: tuple[int, ...],
+    fixed: tuple[tuple[int, float], ...],
+    q: Array,
+    members: list[tuple[int, int]],
+) -> Group:
+    """Return the surface of some configurations, (index, codimension) each; the codimension of most of them."""
+    held, positions = tuple(j for j, _ in fixed), tuple(c for _, c in fixed)
+    own = q[[i for i, _ in members]]
+    group = Group(held, positions, support, Counter(c for _, c in members).most_common(1)[0][0], True, own)
+    target = np.zeros(q.shape[-1])
+    target[list(held)] = positions
+    off = np.abs(angle_between(mechanism, own, target))[:, list(held)]
+    return replace(group, exact=bool(np.all(np.median(off, axis=0) < _SAME)))
 
 
 def _without_slivers(surfaces: list[Group]) -> list[Group]:
@@ -211,11 +229,15 @@ def _at_quarter(angle: float) -> float:
 def _common_positions(mechanism: Mechanism, q: Array) -> Array:
     """Return the position that many configurations share in a coordinate, NaN where they do not. (N, n) -> (N, n)."""
     common = np.full(q.shape, np.nan)
+    fewest = max(_FEWEST, math.ceil(_SHARE * len(q)))
     for j, turns in enumerate(mechanism.turning):
-        values = math.pi - np.remainder(math.pi - 1e-6 - q[:, j], 2 * math.pi) if turns else q[:, j]
-        order = np.argsort(values)
-        for run in np.split(order, np.flatnonzero(np.diff(values[order]) > _SHARED) + 1):
-            if len(run) >= max(_FEWEST, 0.02 * len(q)):
-                shared = float(np.median(values[run]))
-                common[run, j] = _at_quarter(shared) if turns else shared
+        values = math.pi - np.remainder(math.pi - _ROUNDED - q[:, j], 2 * math.pi) - _ROUNDED if turns else q[:, j]
+        ordered = np.sort(values)
+        # Windows that hold many; a curve that turns back has some crowding, too, but not that much.
+        crowded = ordered[: len(q) - fewest + 1][ordered[fewest - 1 :] - ordered[: len(q) - fewest + 1] < _SHARED]
+        for start in crowded:
+            near = np.abs(values - start) < _ROUNDED
+            if np.all(np.isnan(common[near, j])):
+                shared = float(np.median(values[near]))
+                common[near, j] = _at_quarter(shared) if turns else shared
     return common

@@ -52,13 +52,15 @@ class Geometry:
 
     Attributes:
         mechanism: the chain and its task.
-        shoulder: indices of the first turning joints whose axes meet in a point; two at least, or none.
-        wrist: indices of the last ones.
+        shoulder: indices of the first joints whose axes always meet in a point, with those before them; or none.
+        wrist: indices of the last ones, with those after them.
+        centre: indices of those of the wrist whose axes meet.
     """
 
     mechanism: Mechanism
     shoulder: tuple[int, ...]
     wrist: tuple[int, ...]
+    centre: tuple[int, ...]
 
     def region(self, indices: Sequence[int]) -> str | None:
         """Return the customary name of what the given joints bend: shoulder, elbow, wrist, or several."""
@@ -118,7 +120,7 @@ class Geometry:
         centre, name = self._centre(axes, wrench)
         if centre is not None:
             others = [axis for axis in meets if distance(axis, centre) > TOUCHING * length]
-            own = {axes[i].joint for i in self.wrist}
+            own = {axes[i].joint for i in self.centre}
             on = [axis for axis in meets if axis not in others and axis.joint not in own]
             told = _at_centre(name, centre, others, along, on)
             if told is not None:
@@ -134,13 +136,13 @@ class Geometry:
         mechanism = self.mechanism
         if not mechanism.task.angular:
             return wrench.point, "the tool point"
-        if not self.wrist:
+        if not self.centre:
             return None, ""
-        centre = meeting_point([axes[i] for i in self.wrist], mechanism.length)
+        centre = meeting_point([axes[i] for i in self.centre], mechanism.length)
         if centre is None or wrench.point is None:
             return None, ""
         away = float(np.linalg.norm(np.cross(centre - wrench.point, wrench.axis)))
-        names = _list([axes[i].joint for i in self.wrist])
+        names = _list([axes[i].joint for i in self.centre])
         return (centre if away < TOUCHING * mechanism.length else None), f"the point where the axes of {names} meet"
 
     def name(self, held: Sequence[int], q: Array, lost: Sequence[LostWrench], motions: Array) -> str | None:
@@ -166,12 +168,14 @@ def geometry(mechanism: Mechanism) -> Geometry:
     """Return what holds of a mechanism's axes at every configuration."""
     samples = [axes_at(mechanism, q) for q in mechanism.draw(np.random.default_rng(2), (3,))]
     if any(axes is None for axes in samples):
-        return Geometry(mechanism, (), ())
+        return Geometry(mechanism, (), (), ())
     whole = [axes for axes in samples if axes is not None]
     count = len(mechanism.names)
-    wrist = _meeting_run(whole, list(range(count))[::-1], mechanism) if mechanism.task.angular else ()
-    shoulder = _meeting_run(whole, [i for i in range(count) if i not in wrist], mechanism)
-    return Geometry(mechanism, shoulder, wrist)
+    backwards = list(range(count))[::-1]
+    centre = _meeting_run(whole, backwards, mechanism) if mechanism.task.angular else ()
+    wrist = tuple(range(min(centre), count)) if centre else ()
+    first = _meeting_run(whole, [i for i in range(count) if i not in wrist], mechanism)
+    return Geometry(mechanism, tuple(range(max(first) + 1)) if first else (), wrist, centre)
 
 
 def _meets(axis: Axis, wrench: LostWrench, length: float) -> bool:
@@ -189,8 +193,8 @@ def _at_centre(
     `others` meet the line elsewhere, `along` are parallel to it, `on` pass through the centre without belonging to it.
     """
     joints = tuple(axis.joint for axis in (*others, *along))
-    if not others and not along:
-        return Cause(f"{name} lies on the {_of_axes(on)}", tuple(a.joint for a in on), at_centre=True) if on else None
+    if not others and on:
+        return Cause(f"{name} lies on the {_of_axes(on)}", tuple(axis.joint for axis in on), at_centre=True)
     if len(others) == 1 and along:
         plane = f"the plane through the axis of {_list([others[0].joint])}"
         return Cause(f"{name} lies in {plane} that is parallel to the {_of_axes(along)}", joints, at_centre=True)
@@ -200,7 +204,15 @@ def _at_centre(
 
 
 def _meeting_run(samples: Sequence[Sequence[Axis]], order: Sequence[int], mechanism: Mechanism) -> tuple[int, ...]:
-    """Return the longest run of joints from the start of an order whose axes always meet in one point."""
+    """Return the longest run of joints from the start of an order whose axes always meet in one point, two at least.
+
+    The first joint of the order may stand aside, as where a flange or a shoulder is offset.
+    """
+    run = _run_from_start(samples, order, mechanism)
+    return run if len(run) > 1 or len(order) < 3 else _run_from_start(samples, order[1:], mechanism)
+
+
+def _run_from_start(samples: Sequence[Sequence[Axis]], order: Sequence[int], mechanism: Mechanism) -> tuple[int, ...]:
     taken = list[int]()
     for i in order:
         tried = [*taken, i]

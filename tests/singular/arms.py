@@ -31,7 +31,7 @@ ARMS = (
 REDUNDANT = (
     ("panda", "panda_hand", None),
     ("xarm7", "link_eef", None),
-    ("baxter", "right_hand", None),
+    ("baxter", "right_hand_link", None),
     ("pr2", "r_gripper_tool_frame", "torso_lift_link"),
     ("tiago", "arm_tool_link", "torso_lift_link"),
     ("centauro", "ball1_tip", None),

@@ -135,8 +135,10 @@ def test_the_gradients_of_a_redundant_arms_equations(name, frame, observer):
     assert tried > 5
 
 
-def test_off_the_set_the_equations_do_not_hold():
+def test_beside_the_set_the_equation_is_what_the_singular_value_is():
     arm = arm_of("ur5_robot", "tool0")
-    for x in starts(arm, 7, 20):
+    q, smallest = converge(arm, starts(arm, 7, 30))
+    beside = q[smallest < 1e-12] + 1e-5 * np.random.default_rng(7).normal(size=q[smallest < 1e-12].shape)
+    for x in beside:
         value, _ = constraints(arm, x)
-        assert np.linalg.norm(value) == pytest.approx(decisive(arm, x), rel=1e-6)
+        assert np.linalg.norm(value) == pytest.approx(decisive(arm, x), rel=1e-2, abs=1e-9)

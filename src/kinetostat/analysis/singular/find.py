@@ -18,6 +18,7 @@ from kinetostat.analysis.singular.kind import kind
 from kinetostat.analysis.singular.losses import LostWrench, lost_space, lost_wrenches, motion_space
 from kinetostat.analysis.singular.mechanism import MODEL, STRICT, Mechanism, mechanism
 from kinetostat.analysis.singular.search import converge
+from kinetostat.analysis.singular.surfaces import surfaces
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError
@@ -160,7 +161,8 @@ def singular_find(
         ended.append(q[smallest < STRICT])
     singular = np.concatenate(ended)
     tell("sorting", 0.0)
-    groups = grouped(arm, singular, known, generator)
+    groups, left = grouped(arm, singular, known, generator)
+    groups += surfaces(arm, left, generator)
     classified = [group for group in groups if group.support]
     shape, families = geometry(arm), list[Family]()
     for i, group in enumerate(classified):

@@ -1,0 +1,132 @@
+"""Surfaces: singular configurations whose positions depend on each other.
+
+They are told apart by their support, the joints of which each one alone can leave the surface; by positions that all of
+them share ("joint5 = pi/2, with a relation of joint4 and joint6"); and by their codimension.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+
+from kinetostat.analysis.singular.families import (
+    Group,
+    angle_between,
+    codimension_at,
+    group_of,
+    on_group,
+    stay,
+    stays_held,
+)
+from kinetostat.analysis.singular.mechanism import Mechanism
+from kinetostat.conventions import Array
+
+__all__ = ["surfaces"]
+
+_SHARED = 1e-5  # rad or m: a window in which positions that many share must lie
+_SHARE = 0.02  # how many are many
+_FEWEST = 4  # and how many at least
+_ROUNDED = 1e-3  # rad or m: positions so close to one that many share are that one, but for rounding
+_SAME = 1e-8  # rad or m: and those that differ by less are one in exact numbers
+_BESIDE = 0.05  # rad or L: how far from a shared position a member of a sliver may be
+_SLIVER = 50  # how many times larger a surface is than what is taken for a part of it
+
+
+def surfaces(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> list[Group]:
+    """Return the surfaces of singular configurations (N, n), and isolated positions of three joints or more."""
+    if not len(q):
+        return []
+    others_held = ~np.eye(q.shape[-1], dtype=bool)  # all but one
+    matters = ~stay(mechanism, q[:, None, :], others_held, 4, generator)
+    by_support: dict[tuple[int, ...], list[int]] = {}
+    for i, row in enumerate(matters):
+        by_support.setdefault(tuple(int(j) for j in np.flatnonzero(row)), []).append(i)
+    isolated, found = list[Group](), list[Group]()
+    for support, members in by_support.items():
+        alone, rest = _isolated(mechanism, support, q[members], generator)
+        isolated += alone
+        found += _told_apart(mechanism, support, rest)
+    return isolated + _without_slivers(mechanism, sorted(found, key=lambda group: -len(group.members)))
+
+
+def _isolated(
+    mechanism: Mechanism, support: tuple[int, ...], q: Array, generator: np.random.Generator
+) -> tuple[list[Group], Array]:
+    """Return groups of positions that stand alone, as many equations as joints, and the configurations of none."""
+    groups, rest = list[Group](), list[Array]()
+    for x in q:
+        if any(on_group(mechanism, group, x[None])[0] for group in groups):
+            continue
+        alone = len(support) > 2 and codimension_at(mechanism, x) == len(support)
+        if alone and stays_held(mechanism, x, support, generator):
+            draft = group_of(mechanism, support, x[list(support)], generator)
+            groups.append(replace(draft, members=q[on_group(mechanism, draft, q)]))
+        else:
+            rest.append(x)
+    return groups, np.array(rest).reshape(-1, q.shape[-1])
+
+
+def _told_apart(mechanism: Mechanism, support: tuple[int, ...], q: Array) -> list[Group]:
+    """Return the surfaces of configurations with one support, by the positions that they share."""
+    common, by_positions = _common_positions(mechanism, q), dict[tuple[tuple[int, float], ...], list[int]]()
+    for i, row in enumerate(common):
+        by_positions.setdefault(tuple((j, float(row[j])) for j in support if np.isfinite(row[j])), []).append(i)
+    return [_surface(mechanism, support, fixed, q[members]) for fixed, members in by_positions.items()]
+
+
+def _surface(mechanism: Mechanism, support: tuple[int, ...], fixed: tuple[tuple[int, float], ...], q: Array) -> Group:
+    """Return the surface of some configurations; its codimension is that of most of them."""
+    held, positions = tuple(j for j, _ in fixed), tuple(c for _, c in fixed)
+    codimension = Counter(codimension_at(mechanism, x) for x in q).most_common(1)[0][0]
+    surface = Group(held, positions, support, codimension, True, q)
+    return replace(surface, exact=bool(np.all(np.median(_off(mechanism, surface, q), axis=0) < _SAME)))
+
+
+def _without_slivers(mechanism: Mechanism, found: list[Group]) -> list[Group]:
+    """Return the surfaces with the few members that seem to have another condition put back where they belong.
+
+    Close to where two surfaces meet, a joint may seem not to matter, or a shared position not to be shared.
+    """
+    kept = list[Group]()
+    for group in found:  # the largest first
+        at = next((i for i, large in enumerate(kept) if _is_sliver(mechanism, group, large)), None)
+        if at is None:
+            kept.append(group)
+        else:
+            kept[at] = replace(kept[at], members=np.concatenate([kept[at].members, group.members]))
+    return kept
+
+
+def _is_sliver(mechanism: Mechanism, small: Group, large: Group) -> bool:
+    few = len(small.members) * _SLIVER <= len(large.members)
+    if not few or small.codimension != large.codimension or not set(small.support) <= set(large.support):
+        return False
+    return bool(np.all(_off(mechanism, large, small.members) < _BESIDE))
+
+
+def _off(mechanism: Mechanism, group: Group, q: Array) -> Array:
+    """Return how far configurations (N, n) are from the positions that a group shares. (N, number of them)."""
+    target = np.zeros(q.shape[-1])
+    target[list(group.held)] = group.positions
+    gap: Array = np.abs(angle_between(mechanism, q, target))[:, list(group.held)]
+    return gap
+
+
+def _common_positions(mechanism: Mechanism, q: Array) -> Array:
+    """Return the position that many configurations share in a coordinate, NaN where they do not. (N, n) -> (N, n)."""
+    common = np.full(q.shape, np.nan)
+    fewest = max(_FEWEST, math.ceil(_SHARE * len(q)))
+    for j, turns in enumerate(mechanism.turning):
+        values = math.pi - np.remainder(math.pi - _ROUNDED - q[:, j], 2 * math.pi) - _ROUNDED if turns else q[:, j]
+        ordered = np.sort(values)
+        # Windows that hold many; a curve that turns back has some crowding, too, but not that much.
+        crowded = ordered[: len(q) - fewest + 1][ordered[fewest - 1 :] - ordered[: len(q) - fewest + 1] < _SHARED]
+        for start in crowded:
+            near = np.abs(values - start) < _ROUNDED
+            if np.all(np.isnan(common[near, j])):
+                shared = float(np.median(values[near]))
+                common[near, j] = _at_quarter(shared) if turns else shared
+    return common

@@ -115,6 +115,13 @@ def _off(mechanism: Mechanism, group: Group, q: Array) -> Array:
     return gap
 
 
+def _at_quarter(angle: float) -> float:
+    """Return the multiple of a quarter turn in (-pi, pi] that an angle nearly is, else the angle."""
+    quarters = round(angle / (math.pi / 2))
+    near = abs(angle - quarters * math.pi / 2) < _SHARED
+    return (math.pi if abs(quarters) == 2 else quarters * math.pi / 2) if near else angle
+
+
 def _common_positions(mechanism: Mechanism, q: Array) -> Array:
     """Return the position that many configurations share in a coordinate, NaN where they do not. (N, n) -> (N, n)."""
     common = np.full(q.shape, np.nan)

@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint wheel-check bench agreement clean
+.PHONY: demo test lint wheel-check bench agreement singularities clean
 
 demo: $(READY)
 	@$(BIN)/python benchmarks/demo.py
@@ -24,9 +24,13 @@ wheel-check: $(READY)
 bench: $(READY)
 	$(BIN)/python benchmarks/latency.py
 	$(BIN)/python benchmarks/batch.py
+	$(BIN)/python benchmarks/singular.py
 
 agreement: $(READY)
 	$(BIN)/python benchmarks/agreement.py
+
+singularities: $(READY)
+	$(BIN)/python docs/singularities.py
 
 clean:
 	rm -rf $(VENV) dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

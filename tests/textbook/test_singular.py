@@ -219,8 +219,8 @@ def test_the_shoulders_closed_form_vanishes(name, frame, seed):
 
 
 @pytest.mark.parametrize(("name", "frame"), SURFACES)
-def test_solutions_of_the_closed_form_are_told_as_the_shoulder(name, frame):
-    """The other way round: a root of the closed form, found by bisection along one joint, is that singularity."""
+def test_solutions_of_the_closed_form_are_singular_by_the_shoulder(name, frame):
+    """The other way round: a root of the closed form, found by bisection along one joint, is singular by axis 1."""
     arm = families(name, frame).mechanism
     form, random = SURFACES[name, frame], np.random.default_rng(5)
     second = arm.names[1]
@@ -239,8 +239,7 @@ def test_solutions_of_the_closed_form_are_told_as_the_shoulder(name, frame):
         assert decisive(arm, here) < 1e-9
         answer = ks.singular_at(arm.model, frame, here)
         assert answer.singular
-        assert answer.name == "shoulder"
-        assert not answer.conditions
+        assert any("axis of" in cause.text and arm.names[0] in cause.joints for cause in answer.causes)
 
 
 # --- A5: where the tool of the 2R arm is ----------------------------------------------------------------------------
@@ -319,6 +318,5 @@ def test_scara_has_rank_three_where_it_is_straight():
 def test_ur5_upright_has_rank_three():
     answer = ks.singular_at(ks.load("example:ur5_robot"), "tool0", [0, -HALF, 0, -HALF, 0, 0])
     assert (answer.rank, answer.tolerance) == (3, "strict")
-    assert answer.name == "shoulder and elbow and wrist"
     assert [condition.positions for condition in answer.conditions] == [{"elbow_joint": 0.0}, {"wrist_2_joint": 0.0}]
     assert len(answer.lost) == len(answer.self_motions) == 3

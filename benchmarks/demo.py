@@ -9,6 +9,9 @@ QUESTIONS = (
     ("Where is the hand?", "fk example:panda -f panda_hand -q default"),
     ("How does it move when the joints do?", "jacobian example:panda -f panda_hand -q default"),
     ("The same as a body Jacobian:", "jacobian example:panda -f panda_hand -q default --reference local"),
+    ("How well can it move?", "manipulability example:panda -f panda_hand -q default --length auto"),
+    ("Where is this arm singular?", "singular find example:ur5_robot -f tool0 --deg"),
+    ("And here: why, and what is lost?", "singular at example:ur5_robot -f tool0 -q 0.3,-0.5,0,0.2,1,0"),
     (
         "It pushes with 5 N along its own z. What is that at the base?",
         "adjoint example:panda -f panda_hand -q default --wrench --apply 0,0,5,0,0,0",

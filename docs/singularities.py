@@ -37,7 +37,8 @@ def row(arm: ks.SingularFamilies, family: ks.Family) -> str:
     rounded = " (rounded)" if family.tolerance == "model" else ""
     why = family.causes[0].text if family.causes else ""
     where = "yes" if family.inside_limits else "no"
-    return f"| {family.name or '-'} | {condition}{rounded} | {family.codimension} | {family.kind} | {where} | {why} |"
+    cells = family.name or "-", f"{condition}{rounded}", str(family.codimension), family.kind, where, why
+    return f"| {' | '.join(cells)} |"
 
 
 def section(name: str, frame: str, observer: str | None) -> str:

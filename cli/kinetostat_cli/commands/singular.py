@@ -37,9 +37,9 @@ def at(
     point: PointOption = None,
     axes: AxesOption = None,
 ) -> None:
-    """Say whether a configuration is singular, why, what is lost, and how far the next singularity is.
+    """Say whether a configuration is singular, and why.
 
-    Rows are in the observer's axes. Without --axes all six count; only positions, where three joints or fewer move the
+    Also what is lost there, what moves inside, of what kind it is, and how far the nearest singularity is. Rows are in the observer's axes. Without --axes all six count; only positions, where three joints or fewer move the
     point independently.
 
     Example: kinetostat singular at example:ur5_robot -f tool0 -q elbow_joint=0,wrist_2_joint=1
@@ -92,9 +92,9 @@ def find(
         ),
     ] = None,
 ) -> None:
-    """Find where the singular configurations are, as families with a condition, a kind and a witness.
+    """Find all singular configurations, as families.
 
-    Conditions on one joint alone are found completely; others by search. --config matters to --plot alone.
+    Each has a condition, a kind and a witness. Conditions on one joint alone are found completely; others by search. --config matters to --plot alone.
 
     Example: kinetostat singular find example:ur5_robot -f tool0
     """
@@ -151,7 +151,8 @@ def register(app: typer.Typer) -> None:
     both = typer.Typer(
         no_args_is_help=True,
         rich_markup_mode=None,
-        help="Singular configurations: at one, why and what is lost; and where all of them are.",
+        help="Singular configurations: at one, why and what is lost; and where all of them are.\n\n"
+        "Example: kinetostat singular at example:ur5_robot -f tool0",
     )
     both.command("at")(at)
     both.command("find")(find)

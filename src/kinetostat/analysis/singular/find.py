@@ -95,7 +95,7 @@ class SingularFamilies:
 
     Attributes:
         mechanism: the chain, its task, its unit of length and its generic rank.
-        families: those inside joint limits first, conditions of fewer joints before surfaces.
+        families: those inside joint limits first, conditions of fewer joints first, surfaces last.
         starts: how many searches were made.
         converged: how many of them ended in a singular configuration (s_r < 1e-9).
         unclassified: how many of those belong to no family.
@@ -168,7 +168,7 @@ def singular_find(
     for i, group in enumerate(classified):
         tell("families", i / len(classified))
         families.append(_family(arm, shape, group, i < len(known), generator))
-    families.sort(key=lambda f: (not f.inside_limits, f.implicit, len(f.support), f.codimension, -f.hits))
+    families.sort(key=lambda family: _reading_order(arm, family))
     witnesses = np.array([family.witness for family in families]).reshape(len(families), len(arm.names))
     values, certificate = certified_values(arm, arm.configuration(witnesses, neutral(model.robot)))
     certain = [replace(family, singular_values=value) for family, value in zip(families, values, strict=True)]
@@ -176,6 +176,13 @@ def singular_find(
     coverage = _coverage(arm, singles, classified, len(singular))
     tell("families", 1.0)
     return SingularFamilies(arm, tuple(certain), starts, len(singular), unclassified, coverage, certificate)
+
+
+def _reading_order(arm: Mechanism, family: Family) -> tuple[object, ...]:
+    """Return the key that sorts families: inside limits first, then by how many joints, by the joints, by positions."""
+    support = [arm.names.index(name) for name in family.support]
+    where = [abs(value) for value in family.positions.values()], list(family.positions.values())
+    return not family.inside_limits, family.implicit, len(support), family.codimension, support, where
 
 
 def _coverage(arm: Mechanism, singles: Sequence[SingleJoint], groups: Sequence[Group], converged: int) -> Coverage:

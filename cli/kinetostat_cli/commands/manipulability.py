@@ -58,9 +58,9 @@ def manipulability(
         Path | None, typer.Option(metavar="FILE", help="Draw the arm with its ellipsoids: .svg, .png or .pdf.")
     ] = None,
 ) -> None:
-    """Show how well a frame can move: manipulability indices and ellipsoids.
+    """Show how well a frame can move.
 
-    Singular values s, Yoshikawa's product of them, the smallest, smallest / largest, and isotropy, for all six rows,
+    Manipulability indices and ellipsoids: singular values s, Yoshikawa's product of them, the smallest, smallest / largest, and isotropy, for all six rows,
     for translation, for rotation, and for the rows that --axes names.
 
     Example: kinetostat manipulability example:panda -f panda_hand -q default --length auto

@@ -151,8 +151,7 @@ def register(app: typer.Typer) -> None:
     both = typer.Typer(
         no_args_is_help=True,
         rich_markup_mode=None,
-        help="Singular configurations: at one, why and what is lost; and where all of them are.\n\n"
-        "Example: kinetostat singular at example:ur5_robot -f tool0",
+        help="Say where, and why, a robot is singular.\n\nExample: kinetostat singular at example:ur5_robot -f tool0",
     )
     both.command("at")(at)
     both.command("find")(find)

@@ -32,6 +32,7 @@ __all__ = [
 _DRAWS = 16
 _MANY_DRAWS = 512  # enough that arms which are nearly singular there do not pass by chance
 _CHUNK = 16  # configurations that are tried for sets before what they explain is taken out
+_TRIED = 40_000  # sets in all configurations together
 _APART = 1e-3  # rad or L: positions of one family differ by less
 _EXACT = 10 * STRICT
 _INDEPENDENT = 1e-5  # singular value of gradients below which they are dependent
@@ -135,12 +136,15 @@ def grouped(
     """
     groups = [replace(group, members=q[on_group(mechanism, group, q)]) for group in known]
     pending = q[~_on_any(mechanism, groups, q)]
-    left = [q[:0]]
+    sets = len(mechanism.names) * (len(mechanism.names) + 1) // 2
+    untried = pending[_TRIED // sets :]  # of long chains, whose pairs are many and hardly ever a condition
+    pending = pending[: _TRIED // sets]
+    left = [untried]
     while len(pending):
         chunk, pending = pending[:_CHUNK], pending[_CHUNK:]
         for size in (1, 2):
-            for i, sets in enumerate(held_sets(mechanism, chunk, size, generator)):
-                for held in sets:
+            for i, holding in enumerate(held_sets(mechanism, chunk, size, generator)):
+                for held in holding:
                     if size > 1 and codimension_at(mechanism, chunk[i]) < size:
                         continue  # a curve in two joints, not positions of theirs
                     if not any(g.held == held and on_group(mechanism, g, chunk[i : i + 1])[0] for g in groups):
@@ -149,7 +153,8 @@ def grouped(
             chunk = chunk[~_on_any(mechanism, groups, chunk)]
         left.append(chunk)
         pending = pending[~_on_any(mechanism, groups, pending)]
-    return groups, np.concatenate(left)
+    rest = np.concatenate(left)
+    return groups, rest[~_on_any(mechanism, groups, rest)]
 
 
 def _on_any(mechanism: Mechanism, groups: list[Group], q: Array) -> Flags:

@@ -26,6 +26,7 @@ from kinetostat.conventions import Array
 
 __all__ = ["surfaces"]
 
+_REDUNDANT = 3  # joints too many: beyond, conditions are too many to tell apart but by support
 _SHARED = 1e-5  # rad or m: a window in which positions that many share must lie
 _SHARE = 0.02  # how many are many
 _FEWEST = 4  # and how many at least
@@ -45,7 +46,11 @@ def surfaces(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> 
     for i, row in enumerate(matters):
         by_support.setdefault(tuple(int(j) for j in np.flatnonzero(row)), []).append(i)
     isolated, found = list[Group](), list[Group]()
+    redundant = len(mechanism.names) - mechanism.generic_rank > _REDUNDANT
     for support, members in by_support.items():
+        if redundant:
+            found.append(_surface(mechanism, support, (), q[members]))
+            continue
         alone, rest = _isolated(mechanism, support, q[members], generator)
         isolated += alone
         found += _told_apart(mechanism, support, rest)

@@ -138,7 +138,9 @@ def write_answer(answer: Answer, output: OutputOptions) -> None:
     if output.output is None or output.output == Path("-"):
         _write_out(text)
     else:
-        _write_whole(output.output, text)
+        from kinetostat.report.writing import write_whole
+
+        write_whole(output.output, text.encode())
     certificate = answer.certificate
     if certificate is not None and certificate.agree is False:
         apart = f"{certificate.max_difference:.3g}, more than {certificate.tolerance:.3g}"
@@ -192,30 +194,3 @@ def _write_out(text: str) -> None:
 def _forget_output() -> None:
     """Send what is left of standard output nowhere, so that Python's last flush does not fail again."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def _write_whole(path: Path, text: str) -> None:
-    """Write a file completely or not at all."""
-    import tempfile
-
-    from kinetostat.errors import UsageError, quote
-
-    try:
-        if path.exists() and not path.is_file():  # a terminal, a pipe: nothing to replace
-            path.write_text(text, encoding="utf-8")
-            return
-        handle, draft = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}.")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(text)
-            umask = os.umask(0)
-            os.umask(umask)
-            Path(draft).chmod(0o666 & ~umask)
-            Path(draft).replace(path)
-        except BaseException:
-            Path(draft).unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise UsageError(
-            f"cannot write {quote(str(path))}: {error.strerror or error}", remedy="check --output"
-        ) from None

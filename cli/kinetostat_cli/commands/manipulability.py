@@ -60,8 +60,8 @@ def manipulability(
 ) -> None:
     """Show how well a frame can move.
 
-    Manipulability indices and ellipsoids: singular values s, Yoshikawa's product of them, the smallest, smallest / largest, and isotropy, for all six rows,
-    for translation, for rotation, and for the rows that --axes names.
+    Manipulability indices and ellipsoids: singular values s, Yoshikawa's product of them, the smallest, smallest /
+    largest, and isotropy; for all six rows, for translation, for rotation, and for the rows that --axes names.
 
     Example: kinetostat manipulability example:panda -f panda_hand -q default --length auto
     """
@@ -69,7 +69,7 @@ def manipulability(
     from kinetostat.report.manipulability import manipulability_result, manipulability_view
 
     if plot is not None:
-        from kinetostat.report.figure import check_suffix
+        from kinetostat.report.figures import check_suffix
 
         check_suffix(plot)
     model = load(robot, output)
@@ -89,7 +89,7 @@ def manipulability(
         direction=triple(direction, "--direction"),
     )
     if plot is not None:
-        from kinetostat.report.figure import manipulability_figure, save
+        from kinetostat.report.figures import manipulability_figure, save
 
         save(manipulability_figure(model, result, q), plot)
     write_answer(

@@ -39,8 +39,8 @@ def at(
 ) -> None:
     """Say whether a configuration is singular, and why.
 
-    Also what is lost there, what moves inside, of what kind it is, and how far the nearest singularity is. Rows are in the observer's axes. Without --axes all six count; only positions, where three joints or fewer move the
-    point independently.
+    Also what is lost there, what moves inside, of what kind it is, and how far the nearest singularity is. Rows are in
+    the observer's axes. Without --axes all six count; where three joints or fewer move the point independently, x y z.
 
     Example: kinetostat singular at example:ur5_robot -f tool0 -q elbow_joint=0,wrist_2_joint=1
     """
@@ -94,7 +94,8 @@ def find(
 ) -> None:
     """Find all singular configurations, as families.
 
-    Each has a condition, a kind and a witness. Conditions on one joint alone are found completely; others by search. --config matters to --plot alone.
+    Each has a condition, a kind and a witness. Conditions on one joint alone are found completely, others by search.
+    --config matters to --plot alone.
 
     Example: kinetostat singular find example:ur5_robot -f tool0
     """
@@ -102,7 +103,7 @@ def find(
     from kinetostat.report.singular import singular_find_result, singular_find_view
 
     if plot is not None:
-        from kinetostat.report.figure import check_suffix
+        from kinetostat.report.figures import check_suffix
 
         check_suffix(plot)
     model = load(robot, output)
@@ -136,7 +137,7 @@ def find(
 def _draw(result: SingularFamilies, q: Array, joints: str | None, plot: Path, *, degrees: bool) -> None:
     """Draw a planar arm's workspace, or a slice over two joints."""
     from kinetostat.analysis.singular.slices import is_planar, slice_over, workspace
-    from kinetostat.report.figure import save, slice_figure, workspace_figure
+    from kinetostat.report.figures import save, slice_figure, workspace_figure
 
     arm = result.mechanism
     if joints is None and is_planar(arm):

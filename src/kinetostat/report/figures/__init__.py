@@ -1,0 +1,13 @@
+"""Results to pictures: the one place that draws. Pure functions of results, in one style, for print and for SVG.
+
+Sheets are laid out by hand, in inches, so that nothing overlaps and the same result always gives the same bytes. What
+comes from a robot file is untrusted text: it is made printable, cut, and never read as mathematics. Matplotlib is
+imported where something is drawn, not here.
+"""
+
+from kinetostat.report.figures.arm import manipulability_figure
+from kinetostat.report.figures.saving import check_suffix, save
+from kinetostat.report.figures.slices import slice_figure
+from kinetostat.report.figures.workspaces import workspace_figure
+
+__all__ = ["check_suffix", "manipulability_figure", "save", "slice_figure", "workspace_figure"]

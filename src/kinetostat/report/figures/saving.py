@@ -1,0 +1,48 @@
+"""Figures to files: SVG, PNG and PDF, the same bytes every time."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kinetostat.errors import UsageError, quote
+from kinetostat.report.figures.sheet import house_style
+from kinetostat.report.writing import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["check_suffix", "save"]
+
+_UNDATED: dict[str, Any] = {".svg": {"Date": None}, ".png": {}, ".pdf": {"CreationDate": None}}
+
+
+def check_suffix(path: Path) -> None:
+    """Refuse a file that `save` could not write, before anything is computed.
+
+    Raises:
+        UsageError: the suffix is not .svg, .png or .pdf.
+    """
+    if path.suffix.lower() not in _UNDATED:
+        raise UsageError(
+            f"cannot draw {quote(str(path))}: a picture's format is told by its suffix",
+            remedy=f"name it {quote(path.stem or 'picture')[1:-1]}.svg, .png or .pdf",
+        )
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure, completely or not at all; the same figure gives the same bytes.
+
+    Args:
+        figure: one made by this package.
+        path: where to; the suffix tells the format: .svg (text stays text), .png (200 dpi) or .pdf.
+
+    Raises:
+        UsageError: another suffix; the file cannot be written.
+    """
+    check_suffix(path)
+    suffix, content = path.suffix.lower(), io.BytesIO()
+    with house_style():
+        figure.savefig(content, format=suffix[1:], metadata=_UNDATED[suffix])
+    write_whole(path, content.getvalue())

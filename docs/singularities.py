@@ -21,9 +21,9 @@ ARMS = (
 HEAD = """# Singular configurations of ten real arms
 
 From example-robot-data, as `kinetostat singular find example:ARM -f FRAME` finds them (1,000 searches, seed 0); made
-by `make singularities`. Angles are those of the URDF, in degrees. Conditions on one joint alone are complete; the others
-are those that searches ended on. *Rounded*: it holds but for the rounding of the file's own numbers. A condition with "a
-relation of" some joints is a surface on which their positions depend on each other.
+by `make singularities`. Angles are those of the URDF, in degrees. Conditions on one joint alone are complete; the
+others are those that searches ended on. *Rounded*: it holds but for the rounding of the file's own numbers. A condition
+with "a relation of" some joints is a surface on which their positions depend on each other.
 
 - *fold*: a barrier seen from one side, where branches of inverse kinematics meet; *boundary*: the same for a redundant
   arm; *traversable*: the arm can pass, or leave by moving inside; *tangential*: it moves inside without leaving it.

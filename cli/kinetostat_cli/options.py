@@ -27,6 +27,7 @@ __all__ = [
     "ExpressedInOption",
     "Format",
     "FrameOption",
+    "HeldOptions",
     "OrderOption",
     "OutputOptions",
     "PointOption",
@@ -160,6 +161,22 @@ class ConfigurationOptions:
 
 
 @dataclass(frozen=True)
+class HeldOptions(ConfigurationOptions):
+    """At which configuration joints are held that a picture does not show: where none is asked for, mid."""
+
+    config: Annotated[
+        str,
+        typer.Option(
+            "--config",
+            "-q",
+            metavar="Q",
+            help="Where --plot holds the other joints: mid, zero, random:SEED, an SRDF state, j1=0.3, a list, a file.",
+            autocompletion=completion.configurations,
+        ),
+    ] = "mid"
+
+
+@dataclass(frozen=True)
 class OutputOptions:
     """Where the result goes, and how."""
 
@@ -177,7 +194,7 @@ class OutputOptions:
     debug: Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")] = False
 
 
-_GROUPS = (ConfigurationOptions, RobotOptions, OutputOptions)
+_GROUPS = (ConfigurationOptions, HeldOptions, RobotOptions, OutputOptions)
 
 
 def _parameters(group: type[Any]) -> list[inspect.Parameter]:

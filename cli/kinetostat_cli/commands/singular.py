@@ -14,6 +14,7 @@ from kinetostat_cli.options import (
     AxesOption,
     ConfigurationOptions,
     FrameOption,
+    HeldOptions,
     OutputOptions,
     PointOption,
     RelativeToOption,
@@ -68,7 +69,7 @@ def at(
 @grouped
 def find(
     robot: RobotOptions,
-    at: ConfigurationOptions,
+    at: HeldOptions,
     output: OutputOptions,
     frame: FrameOption = None,
     relative_to: RelativeToOption = None,

@@ -15,6 +15,7 @@ from kinetostat.errors import UsageError, printable, unknown_name
 __all__ = ["Curve", "Mark", "Slice", "Workspace", "is_planar", "slice_over", "workspace"]
 
 _CLOUD = 4000  # configurations whose tool positions show where the arm gets
+_NOTHING = 1e-12  # singular value that is rounding
 _FLAT = 1e-6  # relative: what is smaller does not leave a plane
 
 
@@ -121,7 +122,8 @@ def slice_over(
     grid = np.broadcast_to(rest, (points, points, len(rest))).copy()
     grid[..., first], grid[..., second] = x[None, :], y[:, None]
     matrix = arm.jacobian(grid)
-    values: Array = arm.smallest(grid)
+    found = arm.smallest(grid)
+    values = np.where(found < _NOTHING, 0.0, found)
     square = matrix.shape[-1] == matrix.shape[-2] == arm.generic_rank
     stated = [(float(ends[0]), float(ends[1])) for ends in np.stack(arm.stated_limits, -1)]
     return Slice(

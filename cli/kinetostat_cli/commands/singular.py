@@ -142,10 +142,10 @@ def _draw(result: SingularFamilies, q: Array, joints: str | None, plot: Path, *,
 
     arm = result.mechanism
     if joints is None and is_planar(arm):
-        save(workspace_figure(workspace(result)), plot)
+        save(workspace_figure(workspace(result, degrees=degrees)), plot)
         return
     chosen = None if joints is None else [name.strip() for name in joints.split(",")]
-    save(slice_figure(slice_over(result, chosen, q[list(arm.indices)]), degrees=degrees), plot)
+    save(slice_figure(slice_over(result, chosen, q[list(arm.indices)], degrees=degrees), degrees=degrees), plot)
 
 
 def register(app: typer.Typer) -> None:

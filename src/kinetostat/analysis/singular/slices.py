@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,7 +101,12 @@ class Workspace:
 
 
 def slice_over(
-    result: SingularFamilies, joints: Sequence[str] | None = None, q: Array | None = None, *, points: int = 181
+    result: SingularFamilies,
+    joints: Sequence[str] | None = None,
+    q: Array | None = None,
+    *,
+    degrees: bool = False,
+    points: int = 181,
 ) -> Slice:
     """Return the smallest singular value over two joints of an arm.
 
@@ -108,6 +114,7 @@ def slice_over(
         result: the arm and its families.
         joints: names of two of its coordinates; default the two that conditions inside limits are most often about.
         q: coordinates (n,) in which the others are held; default the middle of their limits.
+        degrees: whether labels tell angles in degrees.
         points: how many positions of each joint.
 
     Raises:
@@ -134,7 +141,7 @@ def slice_over(
         values,
         np.linalg.det(matrix) if square else None,
         (stated[first], stated[second]),
-        tuple(mark for family in result.families for mark in _marks(arm, family, first, second)),
+        tuple(mark for family in result.families for mark in _marks(arm, family, first, second, degrees)),
         (float(rest[first]), float(rest[second])),
     )
 
@@ -161,13 +168,22 @@ def _telling(result: SingularFamilies) -> tuple[int, int]:
     return min(first, second), max(first, second)
 
 
-def _marks(arm: Mechanism, family: Family, first: int, second: int) -> list[Mark]:
+def _marks(arm: Mechanism, family: Family, first: int, second: int, degrees: bool) -> list[Mark]:
     """Return where a family with a position of its own for one or both joints meets the slice."""
     if family.implicit or not set(family.positions) <= {arm.names[first], arm.names[second]}:
         return []
     x, y = (family.positions.get(arm.names[i]) for i in (first, second))
-    label = ", ".join(f"{printable(name)} = {value:.4g}" for name, value in family.positions.items())
-    return [Mark(label, x, y, family.inside_limits)]
+    return [Mark(_label(arm, family.positions, degrees), x, y, family.inside_limits)]
+
+
+def _label(arm: Mechanism, positions: Mapping[str, float], degrees: bool) -> str:
+    """Return positions in words: joint2 = 1.571."""
+    words = []
+    for name, value in positions.items():
+        turns = arm.turning[arm.names.index(name)]
+        shown = math.degrees(value) if turns and degrees else value
+        words.append(f"{printable(name)} = {shown:.4g}{' deg' if turns and degrees else '' if turns else ' m'}")
+    return ", ".join(words)
 
 
 def is_planar(arm: Mechanism) -> bool:
@@ -191,7 +207,7 @@ def _plane(arm: Mechanism) -> tuple[Array, tuple[str, str]] | None:
     return across[:2].T, ("u", "v")
 
 
-def workspace(result: SingularFamilies, *, points: int = 361) -> Workspace:
+def workspace(result: SingularFamilies, *, degrees: bool = False, points: int = 361) -> Workspace:
     """Return where the tool of a planar arm gets, and the curves that bound and divide it.
 
     Curves are drawn where conditions leave one joint free: a 2R arm's singular circles, and with limits its arcs.
@@ -210,7 +226,7 @@ def workspace(result: SingularFamilies, *, points: int = 361) -> Workspace:
         if family.implicit or len(family.positions) != len(arm.names) - 1:
             continue
         held = {arm.names.index(name): value for name, value in family.positions.items()}
-        label = ", ".join(f"{printable(name)} = {value:.4g}" for name, value in family.positions.items())
+        label = _label(arm, family.positions, degrees)
         unlimited.append(Curve(label, _swept(arm, held, arm.spans, plane, points), "singular"))
         if family.inside_limits:
             inside.append(Curve(label, _swept(arm, held, arm.limits, plane, points), "singular"))
@@ -219,12 +235,12 @@ def workspace(result: SingularFamilies, *, points: int = 361) -> Workspace:
         arm.velocity.relative_to,
         arm.chain.columns(q)[1][:, :3, 3] @ plane,
         arm.smallest(q),
-        (*inside, *_limit_curves(arm, plane, points)),
+        (*inside, *_limit_curves(arm, plane, points, degrees)),
         tuple(unlimited),
     )
 
 
-def _limit_curves(arm: Mechanism, plane: Array, points: int) -> list[Curve]:
+def _limit_curves(arm: Mechanism, plane: Array, points: int, degrees: bool) -> list[Curve]:
     """Return where the tool of an arm of two joints gets with one of them at a limit."""
     if len(arm.names) != 2:
         return []
@@ -233,7 +249,7 @@ def _limit_curves(arm: Mechanism, plane: Array, points: int) -> list[Curve]:
         for end in (ends[i] for ends in arm.stated_limits):
             if np.isfinite(end):
                 swept = _swept(arm, {i: float(end)}, arm.limits, plane, points)
-                curves.append(Curve(f"{printable(name)} at {end:.4g}", swept, "limit"))
+                curves.append(Curve(_label(arm, {name: float(end)}, degrees), swept, "limit"))
     return curves
 
 

@@ -62,8 +62,8 @@ def certified(
     return value, Certificate(names, difference, allowed, values)
 
 
-def length_scale(robot: Robot, q: Array, point: tuple[float, float, float] | None = None) -> float:
-    """Return the length that rounding errors at q grow with, in metres.
+def length_scale(robot: Robot, q: Array, point: tuple[float, float, float] | None = None, unit: float = 1.0) -> float:
+    """Return the length that rounding errors at q grow with, in units of `unit` metres.
 
     Reach, plus how far joints slide at q and how far the point lies out; times the largest mimic multiplier, and times
     the largest angle in turns, because sine and cosine lose digits of large angles in proportion.
@@ -80,7 +80,7 @@ def length_scale(robot: Robot, q: Array, point: tuple[float, float, float] | Non
         if joint.type.is_angle or joint.type is JointType.PLANAR:
             turns = max(turns, size / (2 * np.pi))
         length += abs(joint.pitch) * (1 + size / (2 * np.pi)) if joint.type.is_angle else size
-    return max(1.0, length) * robot.largest_multiplier * max(1.0, turns)
+    return max(1.0, length / unit) * robot.largest_multiplier * max(1.0, turns)
 
 
 def _followed(law: Mimic, leader: Array) -> float:

@@ -82,8 +82,8 @@ def characteristic_length(matrix: Array, turning: Sequence[bool], task: Task) ->
 
     L^2 = (sum of squares of linear rows / their number) / (sum of squares of angular rows / their number), over the
     columns of joints that turn. For all six rows that is the root mean square distance of the joints' axes from the
-    point. Where a Jacobian can be isotropic, L makes it so (J. Angeles, "Fundamentals of Robotic Mechanical Systems",
-    on the characteristic length).
+    point. Where the Jacobian of an arm without slides can be isotropic, L makes it so (J. Angeles, "Fundamentals of
+    Robotic Mechanical Systems", on the characteristic length).
 
     Args:
         matrix: Jacobians (..., 6, n), linear rows first.

@@ -62,14 +62,18 @@ def limit_weights(robot: Robot, joints: Sequence[Joint], q: Array) -> JointWeigh
 
         a_i = qdot_max_i / sqrt(1 + abs(dH/dq_i)),   H = sum (u - l)^2 / (4 (u - q)(q - l))
 
-    H is the criterion of T. Chan and R. Dubey, "A weighted least-norm solution based scheme for avoiding joint limits",
-    IEEE Trans. Robotics and Automation 11(2), 1995; the scaled Jacobian is that of N. Vahrenkamp et al.,
-    "Manipulability analysis", Humanoids 2012. Beside them the penalty by which M. Tsai, "Workspace geometric
-    characterization and manipulability of industrial robots", 1986, multiplies an index,
+    H is the criterion of M. Zghal, R. Dubey and J. Euler (ICRA 1990) with which T. Chan and R. Dubey weigh joints, "A
+    weighted least-norm solution based scheme for avoiding joint limits for redundant joint manipulators", IEEE Trans.
+    Robotics and Automation 11(2), 1995; they count it towards a limit alone, an index of all directions counts it
+    always. To scale the columns by it is after N. Vahrenkamp et al., "Manipulability analysis", Humanoids 2012. Beside
+    them a penalty that multiplies an index, M. Tsai's ("Workspace geometric characterization and manipulability of
+    industrial robots", 1986) with his factor k = 4^n,
 
         P = (1 - exp(-prod t_i)) / (1 - exp(-1)),   t_i = 4 (q - l)(u - q) / (u - l)^2
 
-    normalised to 1 at the middle of the limits. Joints without position limits count as at their middle.
+    divided by its value at the middle of the limits. Joints without position limits count as at their middle; a joint
+    whose limits are one position cannot move, and weighs nothing. At the middle of a joint's limits its weight has a
+    kink: abs(dH/dq) turns, and the derivative is NaN.
 
     Args:
         robot: the robot, for where positions are.

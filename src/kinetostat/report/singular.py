@@ -16,7 +16,7 @@ from kinetostat.report.view import Cell, Table, View, configuration_note
 if TYPE_CHECKING:
     from kinetostat.analysis.configuration import Configuration
     from kinetostat.analysis.singular.at import SingularAt
-    from kinetostat.analysis.singular.find import Family, SingularFamilies
+    from kinetostat.analysis.singular.find import Coverage, Family, SingularFamilies
     from kinetostat.analysis.singular.mechanism import Mechanism
     from kinetostat.analysis.singular.nearest import Nearest
 
@@ -44,9 +44,9 @@ def _position(arm: Mechanism, joint: str, value: float, degrees: bool) -> str:
     if degrees:
         return f"{math.degrees(value):.6g} deg"
     quarters = round(value / (math.pi / 2))
-    if quarters and abs(value - quarters * math.pi / 2) < 1e-12:
-        return {1: "pi/2", 2: "pi", -1: "-pi/2", -2: "-pi"}.get(quarters, f"{quarters} pi/2")
-    return f"{value:.6g}" if abs(value) > 1e-12 else "0"
+    if abs(value - quarters * math.pi / 2) < 1e-12 and abs(quarters) <= 2:
+        return ("-pi", "-pi/2", "0", "pi/2", "pi")[quarters + 2]
+    return f"{value:.6g}"
 
 
 def _name(name: str) -> str:
@@ -150,7 +150,7 @@ def _inside(result: SingularAt) -> list[Table]:
     rows: list[tuple[Cell, ...]] = []
     for i, name in enumerate(arm.names):
         unit = "rad/s" if arm.turning[i] else "m/s"
-        rows.append((name, unit, *(f"{float(m.rates[i]) + 0.0:.5f}" for m in result.self_motions)))
+        rows.append((name, unit, *(f"{round(float(m.rates[i]), 5) + 0.0:.5f}" for m in result.self_motions)))
     rows.append(("", "", *("finite" if m.finite else "instant" for m in result.self_motions)))
     return [Table(header, tuple(rows), title=shown, words=True)]
 
@@ -231,7 +231,8 @@ def singular_find_view(result: SingularFamilies, *, degrees: bool) -> View:
         for title, families in (("inside joint limits", inside), ("outside joint limits", outside))
         if families
     ]
-    tables += [_why_families(arm, inside, degrees)] if any(family.causes for family in inside) else []
+    told = [*inside, *outside]
+    tables += [_why_families(arm, told, degrees)] if any(family.causes for family in told) else []
     where = f"of {_place(arm)}"
     count = len(result.families)
     families = "no singular configurations" if not count else "one family" if count == 1 else f"{count} families"
@@ -264,19 +265,23 @@ def _coverage(result: SingularFamilies) -> tuple[str, ...]:
         f"{result.converged} of {result.starts} searches ended in a singular configuration"
         + (f", {result.unclassified} of them in no family" if result.unclassified else "")
     ]
-    if len(coverage.complete) == len(arm.names):
-        notes.append("conditions on one joint alone: complete (common roots of the polynomials of all joints)")
-    elif coverage.complete:
-        missing = ", ".join(_name(name) for name in coverage.incomplete)
-        notes.append(f"conditions on one joint alone: complete but for {missing}, found by search")
-    else:
-        notes.append("conditions on one joint alone: found by search")
+    missing = ", ".join(_name(name) for name in coverage.incomplete)
+    but = f", but not of {missing}" if missing else ""
+    slides = "" if all(arm.periodic) else "; where turns do not repeat, in the range and as far again on both sides"
+    if coverage.complete:
+        notes.append(f"conditions on one joint alone are complete (common roots of polynomials{slides}){but}")
     if coverage.unseen is not None:
         notes.append(
-            f"all others: statistical; families seen once: {coverage.seen_once}, so that a further search would end on "
-            f"an unseen one with a chance of about {coverage.unseen:.2g} (Good-Turing)"
+            f"all others are statistical: {_chance(coverage, result.converged)}, as far as the searches' starts are fair"
         )
     return tuple(notes)
+
+
+def _chance(coverage: Coverage, converged: int) -> str:
+    """Return what the hits say of families that no search has ended on."""
+    if coverage.seen_once:
+        return f"a further search would end on an unseen family with a chance of {coverage.unseen:.2g} (Good-Turing)"
+    return f"no family was seen only once, so unseen ones have a share below {3 / converged:.1g} (95 %)"
 
 
 def _flat_find(result: SingularFamilies, degrees: bool) -> Table:

@@ -120,7 +120,8 @@ def singular_at(
     rank = int(np.sum(values > MODEL))
     singular = rank < arm.generic_rank
     motions = motion_space(arm, here, rank)
-    found = self_motions(arm, here, motions)
+    space = lost_space(arm, here, rank) if singular else np.zeros((len(arm.task.rows), 0))
+    found = self_motions(arm, here, motions, space)
     singles = tuple((single.index, p) for single in single_joint_families(arm, _SEED) for p in single.positions)
     if not singular:
         distance = nearest(arm, here, singles)
@@ -128,7 +129,6 @@ def singular_at(
             arm, here, values, rank, False, None, (), found, None, (), (), None, distance, certificate, _remarks(arm)
         )
     tolerance = "strict" if values[rank] <= STRICT else "model"
-    space = lost_space(arm, here, rank)
     lost = lost_wrenches(arm, here, space)
     shape = geometry(arm)
     held = _conditions(arm, here)
@@ -167,8 +167,8 @@ def certified_values(arm: Mechanism, whole: Array) -> tuple[Array, Certificate]:
         padded[..., 0, : values.shape[-1]] = values
         return np.concatenate([matrix, padded], -2)
 
-    stretched = max(arm.length, 1 / arm.length)
-    value, certificate = certified(arm.model, both, length_scale(arm.model.robot, whole, arm.velocity.point), stretched)
+    scale = length_scale(arm.model.robot, whole, arm.velocity.point, arm.length)
+    value, certificate = certified(arm.model, both, scale)
     return value[..., -1, : min(len(arm.task.rows), len(arm.names))], certificate
 
 

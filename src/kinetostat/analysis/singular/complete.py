@@ -24,7 +24,8 @@ __all__ = ["SingleJoint", "single_joint_families"]
 
 _LINES = 24  # positions of the other joints
 _COMBINATIONS = 3  # of minors
-_HARMONICS = 6  # sampled; the degree must turn out lower
+_HARMONICS = 6  # sampled for each turn of a screw; the degree must turn out lower
+_MOST_HARMONICS = 120
 _NODES = 13
 _DRAWS = 512  # at which a root is tried
 _NEAR = 1e-3  # value below which a stationary point may be a root
@@ -56,10 +57,14 @@ def single_joint_families(mechanism: Mechanism, seed: int) -> tuple[SingleJoint,
 
 
 def _along(mechanism: Mechanism, index: int, generator: np.random.Generator) -> SingleJoint:
-    turns = mechanism.turning[index]
+    turns = mechanism.periodic[index]
     lower, upper = mechanism.spans[0][index], mechanism.spans[1][index]
     if turns:
-        nodes = 2 * np.pi * np.arange(2 * _HARMONICS + 1) / (2 * _HARMONICS + 1)
+        # A minor is a product of two parts of at most two harmonics for each screw that the coordinate drives.
+        harmonics = _HARMONICS * int(np.round(np.sum(np.abs(mechanism.chain.fold[:, index]))))
+        if harmonics > _MOST_HARMONICS:
+            return SingleJoint(index, (), None)
+        nodes = 2 * np.pi * np.arange(2 * harmonics + 1) / (2 * harmonics + 1)
     else:
         middle, half = (lower + upper) / 2, 1.5 * (upper - lower)
         nodes = middle + half * np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)

@@ -19,7 +19,6 @@ from kinetostat.conventions import Array, Flags
 
 __all__ = [
     "Group",
-    "angle_between",
     "codimension_at",
     "group_of",
     "grouped",
@@ -64,13 +63,6 @@ class Group:
         return self.held != self.support
 
 
-def angle_between(mechanism: Mechanism, a: Array, b: Array) -> Array:
-    """Return a - b in coordinate units, angles by the shorter way round. (..., n), (..., n) -> (..., n)."""
-    gap = np.asarray(a) - np.asarray(b)
-    turned = np.remainder(gap + math.pi, 2 * math.pi) - math.pi
-    return np.where(mechanism.turning, turned, gap / mechanism.units)
-
-
 def held_sets(mechanism: Mechanism, q: Array, size: int, generator: np.random.Generator) -> list[list[tuple[int, ...]]]:
     """Return for each configuration (N, n) the sets of so many joints that keep it singular by themselves."""
     sets = list(combinations(range(len(mechanism.names)), size))
@@ -103,28 +95,32 @@ def on_group(mechanism: Mechanism, group: Group, q: Array) -> Flags:
     """Return which configurations (N, n) have the held positions of a group. (N,)."""
     target = np.zeros(q.shape[-1])
     target[list(group.held)] = group.positions
-    gap = np.abs(angle_between(mechanism, q, target))[..., list(group.held)]
+    gap = np.abs(mechanism.difference(q, target))[..., list(group.held)]
     near: Flags = np.all(gap < _APART, axis=-1) & bool(group.held)
     return near
 
 
 def group_of(mechanism: Mechanism, held: tuple[int, ...], positions: Array, generator: np.random.Generator) -> Group:
-    """Return the group of some held positions, at a quarter turn where that is as singular."""
+    """Return the group of some held positions; at zero or a quarter turn where they are that, but for rounding."""
     q = mechanism.draw(generator, (_DRAWS,))
 
     def worst(candidate: Array) -> float:
         q[:, list(held)] = candidate
         return float(np.max(mechanism.smallest(q)))
 
-    turning = np.array(mechanism.turning)[list(held)]
-    wrapped = np.where(turning, math.pi - np.remainder(math.pi - positions, 2 * math.pi), positions)
-    quarter = math.pi / 2
-    near = turning & (np.abs(wrapped - quarter * np.round(wrapped / quarter)) < _APART)
-    snapped = np.where(near, quarter * np.round(wrapped / quarter), wrapped)
-    snapped = np.where(turning & (snapped <= -math.pi), math.pi, snapped)
-    taken = snapped if worst(snapped) <= max(worst(wrapped), STRICT) else wrapped
-    exact = worst(taken) < _EXACT
-    return Group(held, tuple(float(p) + 0.0 for p in taken), held, len(held), exact, np.empty((0, q.shape[-1])))
+    whole = np.zeros(q.shape[-1])
+    whole[list(held)] = positions
+    found = mechanism.wrapped(whole)[list(held)]
+    step = np.where(np.array(mechanism.turning)[list(held)], math.pi / 2, np.inf)
+    with np.errstate(invalid="ignore"):
+        plain = np.where(np.isinf(step), 0.0, step * np.round(found / step))
+    snapped = np.where(np.abs(found - plain) < _APART, plain, found)
+    whole[list(held)] = snapped
+    snapped = mechanism.wrapped(whole)[list(held)]
+    at_found, at_snapped = worst(found), worst(snapped)
+    plainer = at_snapped < (_EXACT if at_found < _EXACT else MODEL)
+    taken, off = (snapped, at_snapped) if plainer else (found, at_found)
+    return Group(held, tuple(float(p) + 0.0 for p in taken), held, len(held), off < _EXACT, np.empty((0, q.shape[-1])))
 
 
 def grouped(

@@ -75,7 +75,8 @@ class Coverage:
     """What is complete, and what is statistical.
 
     Attributes:
-        complete: joints whose single-joint families are all found, to the model tolerance.
+        complete: joints whose single-joint families are all found, to the model tolerance; of those whose turns do not
+            repeat (slides, screws), inside their range and as far again on both sides.
         incomplete: joints for which that cannot be said.
         seen_once: families that one search alone has found.
         unseen: Good-Turing estimate of the chance that a further search ends on a family not in the list:
@@ -162,24 +163,23 @@ def singular_find(
     singular = np.concatenate(ended)
     tell("sorting", 0.0)
     groups, left = grouped(arm, singular, known, generator)
-    groups += surfaces(arm, left, generator)
-    classified = [group for group in groups if group.support]
+    implicit, unclassified = surfaces(arm, left, generator)
+    groups += implicit
     shape, families = geometry(arm), list[Family]()
-    for i, group in enumerate(classified):
-        tell("families", i / len(classified))
+    for i, group in enumerate(groups):
+        tell("families", i / len(groups))
         families.append(_family(arm, shape, group, i < len(known), generator))
     families.sort(key=lambda family: _reading_order(arm, family))
     witnesses = np.array([family.witness for family in families]).reshape(len(families), len(arm.names))
     values, certificate = certified_values(arm, arm.configuration(witnesses, neutral(model.robot)))
     certain = [replace(family, singular_values=value) for family, value in zip(families, values, strict=True)]
-    unclassified = sum(len(group.members) for group in groups if not group.support)
-    coverage = _coverage(arm, singles, classified, len(singular))
+    coverage = _coverage(arm, singles, groups, len(singular))
     tell("families", 1.0)
-    return SingularFamilies(arm, tuple(certain), starts, len(singular), unclassified, coverage, certificate)
+    return SingularFamilies(arm, tuple(certain), starts, len(singular), len(unclassified), coverage, certificate)
 
 
 def _reading_order(arm: Mechanism, family: Family) -> tuple[object, ...]:
-    """Return the key that sorts families: inside limits first, then by how many joints, by the joints, by positions."""
+    """Return the key that sorts families: inside limits first, then by how many joints, which ones, positions."""
     support = [arm.names.index(name) for name in family.support]
     where = [abs(value) for value in family.positions.values()], list(family.positions.values())
     return not family.inside_limits, family.implicit, len(support), family.codimension, support, where

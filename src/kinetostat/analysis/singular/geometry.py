@@ -2,9 +2,10 @@
 
 Nothing here goes by the numbers of joints. Screws are dependent where their lines are: two that coincide, three in a
 plane that meet in a point or are parallel, four that meet in a point, are parallel or lie in a plane; and all of them
-where one line meets them all (H. Pottmann and J. Wallner, "Computational Line Geometry", 2001; J.-P. Merlet, "Singular
-configurations of parallel manipulators and Grassmann geometry", IJRR 8(5), 1989, for the list). Only what is not so
-at every configuration is a cause.
+where one line meets them all. Those are the positions that an engineer sees; there are others (a regulus, a linear
+complex), which are told as dependent motions. (H. Pottmann and J. Wallner, "Computational Line Geometry", 2001; J.-P.
+Merlet, "Singular configurations of parallel manipulators and Grassmann geometry", IJRR 8(5), 1989.) Only what is not
+so at every configuration is a cause.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinetostat.analysis.singular.kind import second_order_forms
 from kinetostat.analysis.singular.mechanism import MODEL, Mechanism
 from kinetostat.conventions import Array
 from kinetostat.errors import quote
@@ -15,9 +16,11 @@ from kinetostat.screw import so3
 __all__ = ["LostWrench", "SelfMotion", "lost_space", "lost_wrenches", "motion_space", "self_motions"]
 
 _PURE = 1e-6  # relative size below which a part of a screw is nothing
-_STEP = 0.02  # rad or L, of a walk
-_STEPS = 10
-_STAYED = 1e-9  # how far the tool may have moved, in rad and L
+_FIRST_STEP = 1e-3  # rad or L, of a walk
+_STEP = 0.02
+_STEPS = 8
+_STAYED = 1e-11  # how far the tool may have moved, in rad and L
+_FLAT = 1e-7  # singular value along which the tool cannot be put back
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,9 @@ def lost_wrenches(mechanism: Mechanism, q: Array, basis: Array) -> tuple[LostWre
     rows[list(mechanism.task.rows)] = basis
     rows[:3] /= mechanism.length  # back to metres: power is the same in both
     _, placement = mechanism.chain.columns(q)
-    return tuple(_lost_wrench(mechanism, row, placement[:3, 3]) for row in _sparse(rows.T))
+    tool = mechanism.tool(q)
+    rows[3:] += np.cross(placement[:3, 3] - tool, rows[:3].T).T
+    return tuple(_lost_wrench(mechanism, row, tool) for row in _plain_basis(rows.T))
 
 
 def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array) -> LostWrench:
@@ -127,6 +132,28 @@ def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array) -> LostWrench
     return LostWrench(wrench, force, point, pitch, words)
 
 
+def _plain_basis(rows: Array) -> Array:
+    """Return a basis of wrenches that are plain to read: few components, or plain forces where two span a pencil."""
+    plain = _sparse(rows)
+    pitches = np.einsum("ai,bi->ab", plain[:, :3], plain[:, 3:])
+    if len(plain) != 2 or float(np.max(np.abs(np.diag(pitches)))) < _PURE:
+        return plain
+    forces = _isotropic((pitches + pitches.T) / 2)
+    return plain if forces is None else forces @ plain
+
+
+def _isotropic(form: Array) -> Array | None:
+    """Return the two vectors x with x^T F x = 0 of a symmetric form (2, 2), as rows; None where F is of one sign."""
+    (a, b), (_, c) = form
+    discriminant = b * b - a * c
+    if discriminant <= _PURE * float(np.max(np.abs(form))) ** 2:
+        return None
+    root = math.sqrt(discriminant)
+    if abs(a) >= abs(c):
+        return np.array([[-b + root, a], [-b - root, a]])
+    return np.array([[c, -b + root], [c, -b - root]])
+
+
 def _tool(mechanism: Mechanism) -> str:
     return quote(mechanism.velocity.of)[1:-1]
 
@@ -139,38 +166,56 @@ def _direction(mechanism: Mechanism, direction: Array) -> str:
     return f"({', '.join(f'{round(float(part), 4) + 0.0:g}' for part in direction)}) of {frame}"
 
 
-def self_motions(mechanism: Mechanism, q: Array, basis: Array) -> tuple[SelfMotion, ...]:
-    """Return the rates of a basis (n, k), few joints in each, each walked to see whether it is finite."""
+def self_motions(mechanism: Mechanism, q: Array, basis: Array, lost: Array) -> tuple[SelfMotion, ...]:
+    """Return rates that span a basis (n, k), each walked to see whether it is finite.
+
+    Where one direction is lost (m, 1) and two motions remain, they are those of which the second-order form is zero, if
+    there are such: the others cannot be finite. Else as few joints in each as possible.
+    """
+    rows = _sparse((basis * mechanism.units[:, None]).T)
+    if len(rows) == 2 and lost.shape[1] == 1:
+        forms = second_order_forms(mechanism, q, lost, (rows / mechanism.units).T)[0]
+        free = _isotropic(forms)
+        rows = rows if free is None else free @ rows
     found = []
-    for row in _sparse((basis * mechanism.units[:, None]).T):
+    for row in rows:
         rates = _signed(row / np.max(np.abs(row)))
         found.append(SelfMotion(rates, _walks(mechanism, q, rates) or _walks(mechanism, q, -rates)))
     return tuple(found)
 
 
 def _walks(mechanism: Mechanism, start: Array, rates: Array) -> bool:
-    """Return whether the arm can move along the rates for a while with the tool at rest."""
+    """Return whether the arm can move along the rates for a while with the tool at rest.
+
+    The first step is short and must go where the rates point; then the way may bend.
+    """
+    direction = rates / mechanism.units / np.linalg.norm(rates / mechanism.units)
+    q = start
+    for size, straight in ((_FIRST_STEP, 0.999), *((_STEP, 0.9),) * _STEPS):
+        there = _held_still(mechanism, q + size * direction * mechanism.units, start)
+        if there is None:
+            return False
+        moved = (there - q) / mechanism.units
+        length = float(np.linalg.norm(moved))
+        if length < size / 2 or float(moved @ direction) < straight * length:
+            return False
+        q, direction = there, moved / length
+    return True
+
+
+def _held_still(mechanism: Mechanism, q: Array, start: Array) -> Array | None:
+    """Return a configuration next to q with the tool where it is at `start`, by Gauss-Newton; None if none is found."""
     rows = list(mechanism.task.rows)
     _, home = mechanism.chain.columns(start)
-    units = mechanism.units
-    direction = rates / units / np.linalg.norm(rates / units)
-    q = start
-    for _ in range(_STEPS):
-        trial = q + _STEP * direction * units
-        for _ in range(12):
-            columns, placement = mechanism.chain.columns(trial)
-            matrix = mechanism.scaled(columns @ mechanism.chain.fold)
-            gap = _gap(placement, home, mechanism.length)[rows]
-            if float(np.max(np.abs(gap))) < _STAYED / 100:
-                break
-            left, values, right = np.linalg.svd(matrix, full_matrices=False)
-            kept = values > 1e-7
-            trial = trial - units * (right[kept].T @ (left[:, kept].T @ gap / values[kept]))
-        moved = (trial - q) / units
-        if float(np.max(np.abs(gap))) > _STAYED or float(moved @ direction) < _STEP / 2:
-            return False
-        q, direction = trial, moved / np.linalg.norm(moved)
-    return True
+    for _ in range(12):
+        columns, placement = mechanism.chain.columns(q)
+        gap = _gap(placement, home, mechanism.length)[rows]
+        if float(np.max(np.abs(gap))) < _STAYED:
+            return q
+        left, values, right = np.linalg.svd(mechanism.scaled(columns @ mechanism.chain.fold), full_matrices=False)
+        kept = values > _FLAT
+        q = q - mechanism.units * (right[kept].T @ (left[:, kept].T @ gap / values[kept]))
+    return None
 
 
 def _gap(placement: Array, home: Array, length: float) -> Array:

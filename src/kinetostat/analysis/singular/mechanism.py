@@ -9,15 +9,16 @@ from functools import cached_property
 
 import numpy as np
 
-from kinetostat.analysis.configuration import position_range
+from kinetostat.analysis.configuration import neutral, position_range
 from kinetostat.analysis.jacobian import checked_point
 from kinetostat.analysis.task import FULL, TRANSLATION, Task, turning_columns
 from kinetostat.conventions import Array, Flags, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.engines.screw import ScrewEngine
 from kinetostat.errors import UsageError, quote
+from kinetostat.screw import se3
 from kinetostat.screw.chain import Chain
-from kinetostat.urdf.description import Joint, JointType
+from kinetostat.urdf.description import Joint, JointType, Robot
 
 __all__ = ["MODEL", "STRICT", "Mechanism", "mechanism"]
 
@@ -25,6 +26,7 @@ STRICT = 1e-9  # a singular value below it is zero in exact numbers
 MODEL = 1e-5  # and below this, zero but for the rounding of a file that writes 1.5708 for pi/2
 _SAMPLES = 32  # configurations that decide the generic rank and the unit of length
 _SEED = 0
+_NO_LENGTH = 1e-9  # of the robot's reach: a distance below it is rounding
 _SLACK = 1e-6  # a limit typed with seven digits is not exceeded by its own rounding
 
 
@@ -33,23 +35,27 @@ class Mechanism:
     """The joints between an observer and a tool point, and the rows of the tool's twist that count.
 
     Its Jacobian is a matrix of pure numbers: linear rows are in units of the length L, and so are slides. Coordinates
-    q are those of the chain, (..., n), in rad and m.
+    q are those of the chain, (..., n), in rad and m. Where all six rows count, ranks and null spaces are the same
+    whatever point of the tool they are taken at; the Jacobian is then that of a point amid the axes, so that a tool
+    point far out does not drown what the joints can do.
 
     Attributes:
         model: the robot.
-        velocity: the label of its Jacobian: of the tool point, relative to the observer, in the observer's axes.
+        velocity: the label of its Jacobian: of which point, relative to the observer, in the observer's axes.
+        point: the tool point in the frame's coordinates, m.
         task: the rows that count, m of them.
-        chain: the screws.
+        chain: the screws, to the point of `velocity`.
         names: names of the n coordinates, in path order.
         joints: the joint of each coordinate.
         turning: whether each coordinate is an angle.
         indices: where each coordinate is in the robot's configuration.
-        length: L, in m: the root mean square distance of the joints' axes from the tool point.
+        length: L, in m: the root mean square distance of the joints' axes from the point of `velocity`.
         generic_rank: r, the rank at almost every configuration.
     """
 
     model: Model
     velocity: Velocity
+    point: tuple[float, float, float]
     task: Task
     chain: Chain
     names: tuple[str, ...]
@@ -58,6 +64,21 @@ class Mechanism:
     indices: tuple[int, ...]
     length: float
     generic_rank: int
+
+    @cached_property
+    def periodic(self) -> tuple[bool, ...]:
+        """Whether the arm is the same a whole turn on: angles that drive no pitch, and followers by whole numbers."""
+        v, w = self.chain.screws[:3], self.chain.screws[3:]
+        no_pitch = np.abs(np.sum(v * w, axis=0)) < 1e-12 * (1 + np.linalg.norm(v, axis=0))
+        whole = np.abs(self.chain.fold - np.round(self.chain.fold)) < 1e-12
+        each = np.all((whole & no_pitch[:, None]) | (self.chain.fold == 0), axis=0)
+        return tuple(bool(same and turns) for same, turns in zip(each, self.turning, strict=True))
+
+    def tool(self, q: Array) -> Array:
+        """Return the tool point in the observer's coordinates. (..., n) -> (..., 3), m."""
+        _, placement = self.chain.columns(q)
+        arm = np.subtract(self.point, self.velocity.point or self.point)
+        return se3.transform(placement, arm)
 
     @cached_property
     def units(self) -> Array:
@@ -89,7 +110,7 @@ class Mechanism:
         return np.asarray(values[..., self.generic_rank - 1], dtype=np.float64)
 
     def draw(self, generator: np.random.Generator, shape: tuple[int, ...], *, limited: bool = False) -> Array:
-        """Return random coordinates (*shape, n): angles of a whole turn, slides inside limits; or all inside limits."""
+        """Return random coordinates (*shape, n): angles of a whole turn, others inside limits; or all inside limits."""
         lower, upper = self.limits if limited else self.spans
         drawn: Array = lower + (upper - lower) * generator.random((*shape, len(self.names)))
         return drawn
@@ -102,7 +123,9 @@ class Mechanism:
             position_range(robot, joint) if joint.type.nq == 1 else ((-math.pi, math.pi) if turns else (-1.0, 1.0))
             for joint, turns in zip(self.joints, self.turning, strict=True)
         ]
-        return np.array([ends[0] for ends in ranges]), np.array([ends[1] for ends in ranges])
+        lower, upper = np.array([ends[0] for ends in ranges]), np.array([ends[1] for ends in ranges])
+        locked = (upper - lower < _SLACK) & ~np.array(self.turning)  # a slide that cannot move has columns all the same
+        return np.where(locked, lower - 0.5, lower), np.where(locked, upper + 0.5, upper)
 
     @cached_property
     def stated_limits(self) -> tuple[Array, Array]:
@@ -112,19 +135,28 @@ class Mechanism:
 
     @cached_property
     def spans(self) -> tuple[Array, Array]:
-        """Ends to draw between when limits of angles do not count: a whole turn, or the limits of a slide."""
+        """Ends to draw between when limits of angles do not count: a whole turn; limits, where turns do not repeat."""
         lower, upper = self.limits
-        turning = np.array(self.turning)
-        return np.where(turning, -math.pi, lower), np.where(turning, math.pi, upper)
+        periodic = np.array(self.periodic)
+        return np.where(periodic, -math.pi, lower), np.where(periodic, math.pi, upper)
 
     def into_limits(self, q: Array) -> Array:
         """Return coordinates with angles turned by whole turns into their limits, or else into (-pi, pi]. (..., n)."""
         lower, _ = self.stated_limits
-        turning = np.array(self.turning)
-        wrapped = np.where(turning, math.pi - np.remainder(math.pi - q, 2 * math.pi), q)
-        start = np.where(np.isfinite(lower) & turning, lower, wrapped)
-        least = wrapped + np.where(turning, 2 * math.pi * np.ceil((start - _SLACK - wrapped) / (2 * math.pi)), 0.0)
+        wrapped = self.wrapped(q)
+        start = np.where(np.isfinite(lower) & np.array(self.periodic), lower, wrapped)
+        turns = 2 * math.pi * np.ceil((start - _SLACK - wrapped) / (2 * math.pi))
+        least = wrapped + np.where(self.periodic, turns, 0.0)
         return np.where(self._between(wrapped), wrapped, np.where(self._between(least), least, wrapped))
+
+    def wrapped(self, q: Array) -> Array:
+        """Return coordinates with angles that repeat in (-pi, pi]. (..., n)."""
+        return np.where(self.periodic, math.pi - np.remainder(math.pi - q, 2 * math.pi), q)
+
+    def difference(self, a: Array, b: Array) -> Array:
+        """Return a - b in coordinate units, angles that repeat by the shorter way round. (..., n) -> (..., n)."""
+        gap = (np.asarray(a) - np.asarray(b)) / self.units
+        return np.where(self.periodic, np.remainder(gap + math.pi, 2 * math.pi) - math.pi, gap)
 
     def inside(self, q: Array) -> Flags:
         """Return for each coordinate whether it is inside its limits, angles by whole turns. (..., n) -> (..., n)."""
@@ -190,11 +222,15 @@ def mechanism(
     each = [joint for joint in joints for _ in range(joint.type.nq)]
     indices = [i for joint in joints for i in range(*robot.position_slices[joint.name].indices(robot.nq))]
     turning = turning_columns(joints)
-    draft = Mechanism(model, velocity, FULL, chain, tuple(names), tuple(each), turning, tuple(indices), 1.0, 1)
-    samples = chain.jacobian(draft.draw(np.random.default_rng(_SEED), (_SAMPLES,)))
-    length = _axes_distance(samples, turning)
-    task = _natural_task(samples, length) if axes is None else Task.named(axes)
-    sized = replace(draft, length=length, task=task)
+    draft = Mechanism(model, velocity, at, FULL, chain, tuple(names), tuple(each), turning, tuple(indices), 1.0, 1)
+    q = draft.draw(np.random.default_rng(_SEED), (_SAMPLES,))
+    task = _natural_task(chain.jacobian(q), robot.reach) if axes is None else Task.named(axes)
+    if len(task.rows) == 6:
+        amid = _amid_axes(robot, of, observer)
+        label = Velocity.by_reference(Reference.ALIGNED, of, observer, point=amid)
+        draft = replace(draft, velocity=label, chain=ScrewEngine(robot).chain(of, observer, amid)[0])
+    samples = draft.chain.jacobian(q)
+    sized = replace(draft, length=_axes_distance(samples, turning, robot.reach), task=task)
     values = np.linalg.svd(sized.scaled(samples), compute_uv=False)
     rank = int(np.max(np.sum(values > MODEL, axis=-1)))
     if rank == 0:
@@ -203,17 +239,33 @@ def mechanism(
     return replace(sized, generic_rank=rank)
 
 
-def _axes_distance(samples: Array, turning: Sequence[bool]) -> float:
-    """Return the root mean square of the linear rows of columns that turn; 1 m where there is no such distance."""
+def _amid_axes(robot: Robot, of: str, observer: str) -> tuple[float, float, float]:
+    """Return the origin of the last joint that turns, in the tool frame's coordinates at the zero configuration, m."""
+    last = next((joint for joint, _ in reversed(robot.path(observer, of)) if joint.type.is_angle), None)
+    if last is None:
+        return 0.0, 0.0, 0.0
+    x, y, z = ScrewEngine(robot).placement(neutral(robot), last.child, of)[:3, 3]
+    return float(x), float(y), float(z)
+
+
+def _axes_distance(samples: Array, turning: Sequence[bool], reach: float) -> float:
+    """Return the root mean square of linear rows of columns that turn; 1 m where all axes pass through the point."""
     turns = samples[..., np.array(turning)]
     angular = float(np.sum(turns[..., 3:, :] ** 2))
     linear = float(np.sum(turns[..., :3, :] ** 2))
-    return math.sqrt(linear / angular) if angular > 0 and linear > 0 else 1.0
+    distance = math.sqrt(linear / angular) if angular > 0 else 0.0
+    return distance if distance > _NO_LENGTH * reach else 1.0
 
 
-def _natural_task(samples: Array, length: float) -> Task:
+def _natural_task(samples: Array, reach: float) -> Task:
     """Return the task of an arm that was given none. (N, 6, n)."""
     count = samples.shape[-1]
-    linear = np.linalg.svd(samples[:, :3] / length, compute_uv=False)
-    positions = count <= 3 and float(np.max(linear[:, count - 1])) > MODEL
+    linear = np.linalg.svd(samples[:, :3], compute_uv=False)
+    positions = count <= 3 and float(np.max(linear[:, count - 1])) > MODEL * _arm(samples, reach)
     return TRANSLATION if positions else FULL
+
+
+def _arm(samples: Array, reach: float) -> float:
+    """Return the largest linear entry, or what is left of it where it is rounding, in m."""
+    largest = float(np.max(np.abs(samples[:, :3])))
+    return largest if largest > _NO_LENGTH * reach else math.inf

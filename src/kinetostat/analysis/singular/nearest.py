@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetostat.analysis.singular.families import angle_between
 from kinetostat.analysis.singular.mechanism import STRICT, Mechanism
 from kinetostat.analysis.singular.search import constraints, converge
 from kinetostat.conventions import Array
@@ -17,7 +16,7 @@ from kinetostat.conventions import Array
 __all__ = ["Nearest", "nearest"]
 
 _STARTS = 96
-_REFINED = 8  # of the singular configurations found, the nearest of which are drawn closer
+_REFINED = 24  # of the singular configurations found, the nearest of which are drawn closer
 _SEED = 3
 
 
@@ -55,14 +54,14 @@ def nearest(mechanism: Mechanism, q: Array, known: tuple[tuple[int, float], ...]
     radii = np.geomspace(0.05, 2.0, _STARTS)[:, None]
     around = q + radii * mechanism.units * generator.normal(size=(_STARTS, len(q))) / np.sqrt(len(q))
     found, smallest = converge(mechanism, np.concatenate([q[None], around]))
-    candidates = [q + angle_between(mechanism, x, q) * mechanism.units for x in found[smallest < STRICT]]
+    candidates = [q + mechanism.difference(x, q) * mechanism.units for x in found[smallest < STRICT]]
     candidates.sort(key=lambda x: _away(mechanism, x, q))
     closer = [_drawn_closer(mechanism, x, q) for x in _spread_out(mechanism, candidates)]
     for index, position in known:
         exact = q.copy()
         target = q.copy()
         target[index] = position
-        exact[index] = q[index] + angle_between(mechanism, target, q)[index] * mechanism.units[index]
+        exact[index] = q[index] + mechanism.difference(target, q)[index] * mechanism.units[index]
         closer.append(exact)
     if not closer:
         return Nearest(first_order, None, None, None)

@@ -24,6 +24,7 @@ _ITERATIONS = 200
 _SOLVED = 1e-13
 _STUCK = 1e-9  # a step this short, far from a solution, is the end at a local minimum
 _ANSWERED = 1e-4  # singular value of the derivative by Y below which Y has no answer
+_FLOOR = 1e-14  # damping as a share of the matrix itself
 _REJECTED = 10.0  # how much a rejected step raises the damping
 
 
@@ -115,6 +116,7 @@ def _system(mechanism: Mechanism, q: Array, y: Array) -> tuple[Array, Array]:
 def _step(residual: Array, slope: Array, damping: Array) -> Array:
     """Return -S^T (S S^T + damping)^-1 F, the damped least-squares step. (N, p), (N, p, u) -> (N, u)."""
     gram = slope @ np.swapaxes(slope, -1, -2)
-    gram += (damping[:, None] + 1e-15)[..., None] * np.eye(gram.shape[-1])
+    floor = _FLOOR * np.trace(gram, axis1=-2, axis2=-1)  # equations may repeat each other
+    gram += (damping + floor)[:, None, None] * np.eye(gram.shape[-1])
     step: Array = -(np.swapaxes(slope, -1, -2) @ np.linalg.solve(gram, residual[..., None]))[..., 0]
     return step

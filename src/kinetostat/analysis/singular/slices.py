@@ -233,7 +233,7 @@ def workspace(result: SingularFamilies, *, degrees: bool = False, points: int = 
     return Workspace(
         names,
         arm.velocity.relative_to,
-        arm.chain.columns(q)[1][:, :3, 3] @ plane,
+        arm.tool(q) @ plane,
         arm.smallest(q),
         (*inside, *_limit_curves(arm, plane, points, degrees)),
         tuple(unlimited),
@@ -260,5 +260,5 @@ def _swept(arm: Mechanism, held: dict[int, float], ends: tuple[Array, Array], pl
     for i, value in held.items():
         q[:, i] = value
     q[:, free] = np.linspace(ends[0][free], ends[1][free], points)
-    curve: Array = arm.chain.columns(q)[1][:, :3, 3] @ plane
+    curve: Array = arm.tool(q) @ plane
     return curve

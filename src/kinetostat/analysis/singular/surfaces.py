@@ -14,14 +14,14 @@ import numpy as np
 
 from kinetostat.analysis.singular.families import (
     Group,
-    angle_between,
     codimension_at,
     group_of,
     on_group,
     stay,
     stays_held,
 )
-from kinetostat.analysis.singular.mechanism import Mechanism
+from kinetostat.analysis.singular.mechanism import STRICT, Mechanism
+from kinetostat.analysis.singular.search import converge
 from kinetostat.conventions import Array
 
 __all__ = ["surfaces"]
@@ -33,28 +33,61 @@ _FEWEST = 4  # and how many at least
 _ROUNDED = 1e-3  # rad or m: positions so close to one that many share are that one, but for rounding
 _SAME = 1e-8  # rad or m: and those that differ by less are one in exact numbers
 _BESIDE = 0.05  # rad or L: how far from a shared position a member of a sliver may be
+_TRIED = 6  # members of a small group that are tried
+_BACK = 8  # searches from beside each
+_NUDGE = 0.1  # rad or L: how far beside
 _SLIVER = 50  # how many times larger a surface is than what is taken for a part of it
 
 
-def surfaces(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> list[Group]:
-    """Return the surfaces of singular configurations (N, n), and isolated positions of three joints or more."""
+def surfaces(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> tuple[list[Group], Array]:
+    """Return the surfaces of singular configurations (N, n), isolated positions of three joints or more, and the rest.
+
+    The rest are configurations close to where families meet, which belong to none that could be told.
+    """
     if not len(q):
-        return []
-    others_held = ~np.eye(q.shape[-1], dtype=bool)  # all but one
-    matters = ~stay(mechanism, q[:, None, :], others_held, 4, generator)
+        return [], q
     by_support: dict[tuple[int, ...], list[int]] = {}
-    for i, row in enumerate(matters):
-        by_support.setdefault(tuple(int(j) for j in np.flatnonzero(row)), []).append(i)
-    isolated, found = list[Group](), list[Group]()
+    for i, support in enumerate(_supports(mechanism, q, generator)):
+        by_support.setdefault(support, []).append(i)
+    isolated, found, rest = list[Group](), list[Group](), [q[:0]]
     redundant = len(mechanism.names) - mechanism.generic_rank > _REDUNDANT
     for support, members in by_support.items():
-        if redundant:
+        if len(support) < 2:
+            rest.append(q[members])  # one joint alone has no relation
+        elif redundant:
             found.append(_surface(mechanism, support, (), q[members]))
-            continue
-        alone, rest = _isolated(mechanism, support, q[members], generator)
-        isolated += alone
-        found += _told_apart(mechanism, support, rest)
-    return isolated + _without_slivers(mechanism, sorted(found, key=lambda group: -len(group.members)))
+        else:
+            alone, others = _isolated(mechanism, support, q[members], generator)
+            isolated += alone
+            found += _told_apart(mechanism, support, others)
+    kept = list[Group]()
+    for group in _without_slivers(mechanism, sorted(found, key=lambda group: -len(group.members))):
+        if len(group.members) * _SLIVER > len(q) or _persists(mechanism, group, generator):
+            kept.append(group)
+        else:
+            rest.append(group.members)
+    return isolated + kept, np.concatenate(rest)
+
+
+def _supports(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> list[tuple[int, ...]]:
+    """Return for each configuration the joints that matter: moved alone, they leave the singular set."""
+    others_held = ~np.eye(q.shape[-1], dtype=bool)
+    matters = ~stay(mechanism, q[:, None, :], others_held, 4, generator)
+    return [tuple(int(j) for j in np.flatnonzero(row)) for row in matters]
+
+
+def _persists(mechanism: Mechanism, group: Group, generator: np.random.Generator) -> bool:
+    """Return whether searches that start beside a small group's members come back to it, and not to its neighbours."""
+    members = group.members[:_TRIED]
+    beside = np.repeat(members, _BACK, axis=0)
+    beside = beside + _NUDGE * mechanism.units * generator.normal(size=beside.shape)
+    found, smallest = converge(mechanism, beside)
+    found = found[smallest < STRICT]
+    if not len(found):
+        return False
+    again = np.array([support == group.support for support in _supports(mechanism, found, generator)])
+    near = np.all(_off(mechanism, group, found) < _BESIDE, axis=-1)
+    return 4 * int(np.count_nonzero(again & near)) >= len(found)
 
 
 def _isolated(
@@ -85,7 +118,8 @@ def _told_apart(mechanism: Mechanism, support: tuple[int, ...], q: Array) -> lis
 def _surface(mechanism: Mechanism, support: tuple[int, ...], fixed: tuple[tuple[int, float], ...], q: Array) -> Group:
     """Return the surface of some configurations; its codimension is that of most of them."""
     held, positions = tuple(j for j, _ in fixed), tuple(c for _, c in fixed)
-    codimension = Counter(codimension_at(mechanism, x) for x in q).most_common(1)[0][0]
+    measured = Counter(codimension_at(mechanism, x) for x in q).most_common(1)[0][0]
+    codimension = max(measured, len(held) + (len(support) > len(held)))  # gradients may vanish all over a surface
     surface = Group(held, positions, support, codimension, True, q)
     return replace(surface, exact=bool(np.all(np.median(_off(mechanism, surface, q), axis=0) < _SAME)))
 
@@ -116,7 +150,7 @@ def _off(mechanism: Mechanism, group: Group, q: Array) -> Array:
     """Return how far configurations (N, n) are from the positions that a group shares. (N, number of them)."""
     target = np.zeros(q.shape[-1])
     target[list(group.held)] = group.positions
-    gap: Array = np.abs(angle_between(mechanism, q, target))[:, list(group.held)]
+    gap: Array = np.abs(mechanism.difference(q, target))[:, list(group.held)]
     return gap
 
 
@@ -131,7 +165,7 @@ def _common_positions(mechanism: Mechanism, q: Array) -> Array:
     """Return the position that many configurations share in a coordinate, NaN where they do not. (N, n) -> (N, n)."""
     common = np.full(q.shape, np.nan)
     fewest = max(_FEWEST, math.ceil(_SHARE * len(q)))
-    for j, turns in enumerate(mechanism.turning):
+    for j, turns in enumerate(mechanism.periodic):
         values = math.pi - np.remainder(math.pi - _ROUNDED - q[:, j], 2 * math.pi) - _ROUNDED if turns else q[:, j]
         ordered = np.sort(values)
         # Windows that hold many; a curve that turns back has some crowding, too, but not that much.

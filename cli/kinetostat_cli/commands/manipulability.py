@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
 
@@ -84,7 +84,7 @@ def manipulability(
         expressed_in=expressed_in,
         point=triple(point, "--point"),
         axes=axes,
-        length=_length(length),
+        length=cast("Any", length),
         weights=_weights(weights),
         direction=triple(direction, "--direction"),
     )
@@ -106,20 +106,9 @@ def manipulability(
     )
 
 
-def _length(text: str) -> Any:
-    if text in ("auto", "none"):
-        return text
-    from kinetostat_cli.values import numbers
-
-    return numbers(text, "--length", 1)[0]
-
-
 def _weights(text: str | None) -> Any:
-    if text is None or text == "limits":
-        return text
-    from kinetostat_cli.values import numbers
-
-    return numbers(text, "--weights", len(text.replace(",", " ").split()))
+    """Return the words that the library knows, or the list of numbers that a text writes."""
+    return text if text is None or text == "limits" else text.replace(",", " ").split()
 
 
 def register(app: typer.Typer) -> None:

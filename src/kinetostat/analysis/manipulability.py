@@ -28,6 +28,8 @@ from kinetostat.urdf.description import Joint, Robot
 
 __all__ = ["Block", "Ellipsoid", "Manipulability", "Transmission", "manipulability"]
 
+_NO_LENGTH = 1e-9  # of the robot's reach: a distance below it is rounding
+_SHORTEST, _LONGEST = 1e-9, 1e9  # m
 STRICT = 1e-9  # of the largest singular value: below it a singular value is zero
 INDICES = ("yoshikawa", "minimum_singular_value", "inverse_condition_number", "isotropy")
 
@@ -110,6 +112,7 @@ class Manipulability:
 
     Attributes:
         velocity: of which frame and point, relative to which observer, expressed in which axes.
+        reference: the shorthand that it was asked by.
         columns: names of the columns.
         column_units: units of the joint rates.
         blocks: full, translation, rotation, and `task` if axes were chosen.
@@ -123,6 +126,7 @@ class Manipulability:
     """
 
     velocity: Velocity
+    reference: Reference
     columns: tuple[str, ...]
     column_units: tuple[str, ...]
     blocks: dict[str, Block]
@@ -153,13 +157,17 @@ def manipulability(
     With J = U diag(s) V^T restricted to the rows of a block, k = min(m, n):
 
         w = s_1 ... s_k            T. Yoshikawa, "Manipulability of robotic mechanisms", IJRR 4(2), 1985
-        s_k, s_k / s_1             C. Klein and B. Blaho, "Dexterity measures", IJRR 6(2), 1987
-        (prod s^2)^(1/k) / mean s^2    J. Kim and P. Khosla, "Dexterity measures for design and control", IROS 1991
+        s_k, s_k / s_1             C. Klein and B. Blaho, "Dexterity measures for the design and control of
+                                   kinematically redundant manipulators", IJRR 6(2), 1987
+        (prod s^2)^(1/k) / mean s^2    J. Kim and P. Khosla, "Dexterity measures for design and control of
+                                   manipulators", IROS 1991
         ds_i/dq_j = u_i^T (dJ/dq_j) v_i, from which all gradients follow by the chain rule
-        1/|J^+ u|, 1/|J^T u|       transmission along u: S. Chiu, "Task compatibility of manipulator postures", 1988
+        1/|J^+ u|, 1/|J^T u|       transmission along u: S. Chiu, "Task compatibility of manipulator postures",
+                                   IJRR 7(5), 1988
 
-    An index has no gradient (NaN) where it has a kink: where a singular value that it touches is zero, and for the
-    smallest (or largest) one where it is repeated. L is held constant in gradients.
+    An index has no gradient (NaN) where it has a kink: where a singular value that it touches is zero, for the smallest
+    (or largest) one where it is repeated, and along a joint whose weight has a kink. L is held constant in gradients.
+    A direction counts as reachable if it is within 3e-5 rad of one that is.
 
     Args:
         model: the robot.
@@ -206,25 +214,25 @@ def manipulability(
             values[..., 0, i, : found.shape[-1]] = found
         return np.concatenate([matrix[..., None, :, :], along, values], -3)
 
-    value, certificate = certified(model, both, length_scale(robot, q, point))
+    value, certificate = certified(model, both, length_scale(robot, q, point), robot.largest_multiplier)
     matrix, along = value[..., 0, :, :], np.moveaxis(value[..., 1:-1, :, :], -3, -1)
-    size, size_reference = _length(length, matrix, turning, tasks[-1])
+    size, size_reference = _length(length, matrix, turning, tasks[-1], robot.reach)
     warnings = list[str]()
     if weighing is not None:
         along = along * weighing.factors[..., None, :, None] + _diagonal(matrix, weighing)
         matrix = matrix * weighing.factors[..., None, :]
         warnings += [f"joint {quote(name)} is at or beyond a limit: its weight is 0" for name in weighing.outside]
-    if size is None and any(turning):
+    blocks = {task.name: _block(task, matrix, along, turning, size, weighing) for task in tasks}
+    mixed = [name for name, block in blocks.items() if block.unit == "mixed"]
+    if mixed and (axes is None or "task" in mixed):
         warnings.append(
-            "the full block mixes m and rad: its numbers depend on the unit of length; --length auto (or a length in m)"
-            " makes it comparable"
+            f"m and rad are mixed in {', '.join(mixed)}: such numbers depend on the unit of length (--length auto, or a "
+            "length in m, makes them comparable)"
         )
-    blocks = {}
-    for task in tasks:
-        blocks[task.name] = _block(task, matrix, along, turning, size, weighing)
     line = None if direction is None else _transmission(direction, matrix, turning, size, weighing)
     return Manipulability(
         velocity,
+        reference,
         tuple(name for joint in joints for name in joint.velocity_names),
         tuple("rad/s" if turns else "m/s" for turns in turning),
         blocks,
@@ -237,6 +245,13 @@ def manipulability(
     )
 
 
+def _numbers(values: Sequence[float], message: str, remedy: str) -> Array:
+    try:
+        return np.array([float(value) for value in values])
+    except (TypeError, ValueError):
+        raise UsageError(message, remedy=remedy) from None
+
+
 def _weights(
     robot: Robot, joints: Sequence[Joint], q: Array, wanted: str | Sequence[float] | None, count: int
 ) -> JointWeights | None:
@@ -246,23 +261,28 @@ def _weights(
         if wanted != "limits":
             raise UsageError(f"there are no weights {quote(wanted)}", remedy="limits, or a number for each column")
         return limit_weights(robot, joints, q)
-    return fixed_weights(wanted, count)
+    numbers = _numbers(wanted, "weights are limits, or a number for each column", f"there are {count} columns")
+    return fixed_weights(numbers, count)
 
 
 def _diagonal(matrix: Array, weights: JointWeights) -> Array:
     """Return J_i da_i/dq_i on the diagonal i = j: what changing weights add to the derivatives. (..., 6, n, n)."""
-    return (matrix * weights.derivatives[..., None, :])[..., None] * np.eye(matrix.shape[-1])
+    changes = (matrix * weights.derivatives[..., None, :])[..., None]
+    return np.where(np.eye(matrix.shape[-1], dtype=bool), changes, 0.0)  # a NaN stays in its own column
 
 
-def _length(wanted: float | str, matrix: Array, turning: Sequence[bool], task: Task) -> tuple[Array | None, str]:
+def _length(
+    wanted: float | str, matrix: Array, turning: Sequence[bool], task: Task, reach: float
+) -> tuple[Array | None, str]:
     """Return the characteristic length (...) and how it was found."""
     if wanted == "none":
         return None, "none: metres and radians as they are"
     if wanted == "auto":
         length = characteristic_length(matrix, turning, task)
-        if np.any(length == 0):
+        if np.any(length <= _NO_LENGTH * reach):
             raise UsageError(
-                "there is no characteristic length: no joint turns, or every axis passes through the point",
+                "there is no characteristic length: no joint turns, or every axis passes through the point, or no row "
+                "that counts is moved by a turn",
                 remedy="give --length in m, or --length none",
             )
         rows = " ".join(task.row_names) if task.mixed and task.name == "task" else "all rows"
@@ -271,17 +291,20 @@ def _length(wanted: float | str, matrix: Array, turning: Sequence[bool], task: T
         given = float(wanted)
     except (TypeError, ValueError):
         given = float("nan")
-    if not 0 < given < float("inf"):
-        raise UsageError("--length is auto, none, or a positive number of metres", remedy="for instance 0.5")
+    if not _SHORTEST <= given <= _LONGEST:
+        raise UsageError(
+            f"--length is auto, none, or between {_SHORTEST:g} and {_LONGEST:g} m, not {quote(str(wanted))}",
+            remedy="for instance 0.5",
+        )
     return np.full(matrix.shape[:-2], given), "given"
 
 
 def _unit(task: Task, turning: Sequence[bool], length: Array | None, weights: JointWeights | None) -> str:
     """Return the unit of singular values: of rows over columns."""
     rows = "mixed" if task.mixed else "m" if task.linear else "rad"
-    if weights is not None:
+    if weights is not None and weights.speeds:
         return "mixed" if task.mixed and length is None else "1/s" if task.mixed else f"{rows}/s"
-    columns = "rad" if length is not None or all(turning) else "mixed" if any(turning) else "m"
+    columns = "rad" if all(turning) else "m" if not any(turning) else "mixed" if length is None else "rad"
     if task.mixed:
         return "1" if length is not None else "mixed"
     if rows == "rad" and any(turning):  # slides turn nothing
@@ -293,17 +316,20 @@ _FORCE_UNIT = {"m/rad": "N/Nm", "rad/m": "Nm/N", "m/s": "N/W", "rad/s": "Nm/W", 
 
 
 def _scaled(
-    task: Task, matrix: Array, along: Array, turning: Sequence[bool], length: Array | None
+    task: Task, matrix: Array, along: Array, turning: Sequence[bool], length: Array | None, *, columns: bool
 ) -> tuple[Array, Array]:
-    """Return the rows of a task of J and of its derivatives, made comparable by the length where they are not."""
+    """Return the rows of a task of J and of its derivatives, made comparable by the length where they are not.
+
+    `columns`: slides, too, unless weights have made shares of speeds of all columns already.
+    """
     rows = list(task.rows)
     matrix, along = matrix[..., rows, :], along[..., rows, :, :]
     if length is None:
         return matrix, along
     size = length[..., None]
-    if task.mixed or len(set(turning)) > 1:  # a slide counts as an angle q / L
-        columns = np.where(turning, 1.0, size)
-        matrix, along = matrix * columns[..., None, :], along * columns[..., None, :, None]
+    if columns and (task.mixed or len(set(turning)) > 1):  # a slide counts as an angle q / L
+        factors = np.where(turning, 1.0, size)
+        matrix, along = matrix * factors[..., None, :], along * factors[..., None, :, None]
     if task.mixed:
         lengths = np.where(np.array(rows) < 3, size, 1.0)
         matrix, along = matrix / lengths[..., None], along / lengths[..., None, None]
@@ -319,7 +345,7 @@ def _block(
     weights: JointWeights | None,
 ) -> Block:
     """Return the indices of some rows. Shapes (..., 6, n), (..., 6, n, n)."""
-    matrix, along = _scaled(task, matrix, along, turning, length)
+    matrix, along = _scaled(task, matrix, along, turning, length, columns=weights is None or not weights.speeds)
     left, values, right = np.linalg.svd(matrix)
     count = values.shape[-1]
     thin = left[..., :count], right[..., :count, :]
@@ -399,7 +425,7 @@ def _gradients(values: Array, slopes: Array) -> dict[str, Array]:
     return {
         "yoshikawa": np.where(singular & (np.abs(second) > gap), np.nan, volume),
         "minimum_singular_value": np.where(kink, np.nan, lowest),
-        "inverse_condition_number": np.zeros_like(lowest)
+        "inverse_condition_number": np.where(singular, np.nan, np.zeros_like(lowest))
         if count == 1
         else np.where(kink | first_repeated, np.nan, condition),
         "isotropy": np.where(singular, np.nan, isotropy),
@@ -414,12 +440,13 @@ def _transmission(
     weights: JointWeights | None,
 ) -> Transmission:
     """Return 1/|J^+ u| and 1/|J^T u| of the linear rows."""
-    given = np.array([float(part) for part in direction])
-    norm = float(np.linalg.norm(given))
-    if given.shape != (3,) or not 0 < norm < float("inf"):
+    given = _numbers(direction, "--direction takes three finite numbers, not all zero", "for instance 0,0,1")
+    largest = float(np.max(np.abs(given), initial=0.0))
+    if given.shape != (3,) or not 0 < largest < float("inf"):
         raise UsageError("--direction takes three finite numbers, not all zero", remedy="for instance 0,0,1")
-    line = given / norm
-    linear, _ = _scaled(TRANSLATION, matrix, np.zeros((*matrix.shape, 0)), turning, length)
+    line = given / largest / np.linalg.norm(given / largest)
+    own = weights is None or not weights.speeds
+    linear, _ = _scaled(TRANSLATION, matrix, np.zeros((*matrix.shape, 0)), turning, length, columns=own)
     left, values, _ = np.linalg.svd(linear, full_matrices=False)
     along = np.einsum("...rk,r->...k", left, line)
     moving = values > STRICT * np.maximum(values[..., :1], np.finfo(float).tiny)

@@ -36,7 +36,9 @@ class Task:
         Raises:
             UsageError: a word is none of that, or none is given.
         """
-        words = axes.replace(",", " ").split() if isinstance(axes, str) else [str(word) for word in axes]
+        words = (
+            str(axes).replace(",", " ").split() if isinstance(axes, (str, int, float)) else [str(word) for word in axes]
+        )
         wrong = next((word for word in words if not _WORD.fullmatch(word)), None)
         if wrong is not None or not words:
             raise UsageError(

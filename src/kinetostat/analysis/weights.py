@@ -18,15 +18,18 @@ from kinetostat.urdf.description import Joint, Robot
 
 __all__ = ["JointWeights", "fixed_weights", "limit_weights"]
 
+_SMALLEST = 1e-9
+
 
 @dataclass(frozen=True)
 class JointWeights:
     """Weights of the columns of a Jacobian.
 
     Attributes:
-        factors: a, (..., n).
-        derivatives: da_i/dq_i, (..., n).
-        unit: what they are, in words.
+        factors: a, (..., n) or (n,) where they are the same everywhere.
+        derivatives: da_i/dq_i, of that shape; NaN at a kink.
+        rule: what they are, in words.
+        speeds: whether they are speeds, rad/s and m/s, so that weighted columns are shares of them.
         penalty: the factor P in [0, 1] that penalises an index near position limits, (...); None without.
         penalty_gradient: dP/dq, (..., n); None without.
         outside: names of joints at or beyond a position limit, whose weight is zero.
@@ -34,27 +37,27 @@ class JointWeights:
 
     factors: Array
     derivatives: Array
-    unit: str
+    rule: str
+    speeds: bool
     penalty: Array | None = None
     penalty_gradient: Array | None = None
     outside: tuple[str, ...] = ()
 
 
-def fixed_weights(numbers: Sequence[float], count: int) -> JointWeights:
+def fixed_weights(numbers: Sequence[float] | Array, count: int) -> JointWeights:
     """Return weights as given, one for each column.
 
     Raises:
         UsageError: another count, or one that is not finite and positive.
     """
     factors = np.array([float(number) for number in numbers])
-    if factors.shape != (count,) or not np.all(np.isfinite(factors) & (factors > 0)):
-        raise UsageError(
-            f"--weights takes {count} positive numbers here, one for each column, not {len(factors)}"
-            if len(factors) != count
-            else "weights are finite and positive",
-            remedy="or limits, for the joints' own",
-        )
-    return JointWeights(factors, np.zeros(count), "as given")
+    if factors.shape != (count,):
+        message = f"--weights takes {count} positive numbers here, one for each column, not {len(factors)}"
+        raise UsageError(message, remedy="or limits, for the joints' own")
+    if not np.all((factors >= _SMALLEST) & (factors <= 1 / _SMALLEST)):
+        message = f"weights are positive numbers between {_SMALLEST:g} and {1 / _SMALLEST:g}"
+        raise UsageError(message, remedy="or limits, for the joints' own")
+    return JointWeights(factors, np.zeros(count), "as given", speeds=False)
 
 
 def limit_weights(robot: Robot, joints: Sequence[Joint], q: Array) -> JointWeights:
@@ -88,21 +91,22 @@ def limit_weights(robot: Robot, joints: Sequence[Joint], q: Array) -> JointWeigh
     nearness, nearness_slopes = np.ones((2, *q.shape[:-1], count))
     outside = []
     for i, joint in enumerate(joints):
-        speed = joint.limit.velocity
-        if joint.type.nq != 1 or speed is None or not 0 < speed < math.inf:
+        speed, remedy = joint.limit.velocity, "give numbers: --weights a,b,c, one for each column"
+        if joint.type.nq != 1:
             raise UsageError(
-                f"joint {quote(joint.name)} has no velocity limit to weigh it by",
-                remedy="give numbers: --weights a,b,c, one for each column",
+                f"joint {quote(joint.name)} has several coordinates, and no weight of its own", remedy=remedy
             )
+        if speed is None or not 0 < speed < math.inf:
+            raise UsageError(f"joint {quote(joint.name)} has no velocity limit to weigh it by", remedy=remedy)
         position = q[..., robot.position_slices[joint.name].start]
         lower, upper = joint.limit.range
-        if not math.isfinite(upper - lower) or upper == lower:
+        if not math.isfinite(upper - lower):
             factors[..., i], slopes[..., i], nearness_slopes[..., i] = speed, 0.0, 0.0
             continue
         # With x in (-1, 1) across the range, the joint's part of H is 1 / (1 - x^2).
-        half = (upper - lower) / 2
+        half = max((upper - lower) / 2, _SMALLEST)
         x = (position - (lower + upper) / 2) / half
-        inside = np.abs(x) < 1
+        inside = (np.abs(x) < 1) & (upper > lower)  # a locked joint weighs nothing
         if not np.all(inside):
             outside.append(joint.name)
         gap = np.where(inside, 1 - x * x, np.inf)
@@ -110,7 +114,8 @@ def limit_weights(robot: Robot, joints: Sequence[Joint], q: Array) -> JointWeigh
         second = (2 / gap**2 + 8 * x * x / gap**3) / half**2
         root = 1 / np.sqrt(1 + np.abs(first))
         factors[..., i] = np.where(inside, speed * root, 0.0)
-        slopes[..., i] = -0.5 * speed * root**3 * np.sign(first) * second
+        slopes[..., i] = np.where(first == 0, np.nan, -0.5 * speed * root**3 * np.sign(first) * second)
+        slopes[..., i] = np.where(inside, slopes[..., i], 0.0)
         nearness[..., i] = np.where(inside, 1 - x * x, 0.0)
         nearness_slopes[..., i] = np.where(inside, -2 * x / half, 0.0)
     product = np.prod(nearness, axis=-1)
@@ -120,6 +125,7 @@ def limit_weights(robot: Robot, joints: Sequence[Joint], q: Array) -> JointWeigh
         factors,
         slopes,
         "velocity limit / sqrt(1 + |dH/dq|)",
+        True,
         (1 - np.exp(-product)) / whole,
         np.exp(-product)[..., None] * others * nearness_slopes / whole,
         tuple(outside),

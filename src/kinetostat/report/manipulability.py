@@ -15,10 +15,11 @@ if TYPE_CHECKING:
 
 __all__ = ["manipulability_result", "manipulability_view"]
 
+_READ = {"1": "1", "N/W": "N per W", "Nm/W": "Nm per W"}
 _INDICES = (
     ("Yoshikawa", "yoshikawa"),
-    ("smallest s", "minimum_singular_value"),
-    ("smallest / largest s", "inverse_condition_number"),
+    ("smallest singular value", "minimum_singular_value"),
+    ("smallest / largest", "inverse_condition_number"),
     ("isotropy", "isotropy"),
 )
 
@@ -28,7 +29,7 @@ def manipulability_view(result: Manipulability, at: Configuration, *, degrees: b
     blocks = list(result.blocks.values())
     rows: list[tuple[Cell, ...]] = [
         ("rows", *(" ".join(block.task.row_names) if block.task.name == "task" else "" for block in blocks)),
-        ("unit of s", *(block.unit for block in blocks)),
+        ("unit of s", *(_READ.get(block.unit, block.unit) for block in blocks)),
         ("rank / dimension", *(f"{int(block.rank)} / {block.task_dimension}" for block in blocks)),
     ]
     if "task" not in result.blocks:
@@ -41,10 +42,12 @@ def manipulability_view(result: Manipulability, at: Configuration, *, degrees: b
         cells = (block.singular_values[i] if i < block.singular_values.shape[-1] else None for block in blocks)
         rows.append((f"s{i + 1}", *("" if cell is None else _number(cell) for cell in cells)))
     tables = [Table(("", *result.blocks), tuple(rows), words=True)]
-    tables += [_ellipsoid_table(block) for block in blocks if not block.task.mixed and int(block.rank) > 0]
+    twins = [result.blocks[name].task.rows for name in ("translation", "rotation")]
+    shown = [block for block in blocks if block.task.name != "task" or block.task.rows not in twins]
+    tables += [_ellipsoid_table(block) for block in shown if not block.task.mixed and int(block.rank) > 0]
     if result.transmission is not None:
         tables.append(_transmission_table(result.transmission))
-    notes = [_length_note(result)]
+    notes = [*_rank_notes(result), _length_note(result)]
     if result.weights is not None:
         notes.append(_weights_note(result))
     return View(
@@ -88,6 +91,18 @@ def _transmission_table(line: Transmission) -> Table:
     return Table(("", "ratio", "unit"), rows, title=f"transmission along ({direction})", words=True)
 
 
+def _rank_notes(result: Manipulability) -> list[str]:
+    """Return what a newcomer should know of indices that are 0 because some row cannot move."""
+    names = [name for name in ("translation", "rotation") if 0 < int(result.blocks[name].rank) < 3]
+    count = len(result.columns)
+    lame = [f"{name} has rank {int(result.blocks[name].rank)} of 3" for name in names if count >= 3]
+    return (
+        [f"{' and '.join(lame)} here: --axes chooses the rows that count"]
+        if lame and "task" not in result.blocks
+        else []
+    )
+
+
 def _length_note(result: Manipulability) -> str:
     if result.length is None:
         return "no characteristic length: metres and radians as they are"
@@ -100,7 +115,7 @@ def _weights_note(result: Manipulability) -> str:
         f"{name} {float(x):.5g}" for name, x in zip(result.columns, result.weights.factors, strict=True)
     )
     penalty = "" if result.weights.penalty is None else f"; penalty of limits {float(result.weights.penalty):.5g}"
-    return f"columns weighted ({result.weights.unit}): {numbers}{penalty}"
+    return f"columns weighted ({result.weights.rule}): {numbers}{penalty}"
 
 
 def _flat(result: Manipulability) -> Table:
@@ -123,6 +138,7 @@ def manipulability_result(result: Manipulability) -> dict[str, Any]:
     payload: dict[str, Any] = {
         "frame": velocity.of,
         "relative_to": velocity.relative_to,
+        "reference": result.reference.value,
         "expressed_in": velocity.expressed_in,
         "point": None if velocity.point is None else list(velocity.point),
         "columns": list(result.columns),
@@ -131,17 +147,21 @@ def manipulability_result(result: Manipulability) -> dict[str, Any]:
         "characteristic_length": None if result.length is None else number(float(result.length)),
         "characteristic_length_reference": result.length_reference,
     }
+    if velocity.point is None:
+        payload["point_reason"] = "reference world: the point of the frame at the observer's origin"
+    if result.length is None:
+        payload["characteristic_length_reason"] = "none was asked for"
     if result.weights is not None:
         payload["weights"] = {
             "factors": nested(result.weights.factors),
-            "rule": result.weights.unit,
+            "rule": result.weights.rule,
             "penalty": None if result.weights.penalty is None else float(result.weights.penalty),
         }
     if result.transmission is not None:
         line = result.transmission
         payload["direction"] = {
-            "direction": nested(line.direction),
-            "velocity_ratio": float(line.velocity),
+            "vector": nested(line.direction),
+            "velocity_ratio": float(line.velocity) + 0.0,
             "velocity_unit": line.unit_velocity,
             "force_ratio": number(float(line.force)),
             "force_unit": line.unit_force,
@@ -158,17 +178,23 @@ def _block(block: Block) -> dict[str, Any]:
         "rank": int(block.rank),
         "singular_values": nested(block.singular_values),
         "unit": block.unit,
-        **{key: float(getattr(block, key)) for _, key in _INDICES},
+        **{key: float(getattr(block, key)) + 0.0 for _, key in _INDICES},
         "ellipsoid": {"velocity": _ellipsoid(block.velocity), "force": _ellipsoid(block.force)},
         "gradient": {key: nested(gradient) for key, gradient in block.gradients.items()},
     }
     if block.penalised is not None:
-        payload["penalised_yoshikawa"] = float(block.penalised)
-    kinks = [key for key, gradient in block.gradients.items() if not np.all(np.isfinite(gradient))]
-    for key in kinks:
-        payload["gradient"][key] = None
-    if kinks:
-        payload["gradient"]["reason"] = "null where an index has a kink: a singular value is zero, or repeated"
+        payload["penalised_yoshikawa"] = float(block.penalised) + 0.0
+        payload["gradient"]["penalised_yoshikawa"] = payload["gradient"].pop("penalised")
+    payload["gradient"]["unit"] = "per rad or m of each column; the characteristic length is held"
+    missing = [key for key, gradient in block.gradients.items() if not np.all(np.isfinite(gradient))]
+    for key in missing:
+        if not np.any(np.isfinite(block.gradients[key])):
+            payload["gradient"]["penalised_yoshikawa" if key == "penalised" else key] = None
+    if missing:
+        payload["gradient"]["reason"] = (
+            "null where an index has no gradient: a singular value is zero or repeated, or a weight has its kink, at "
+            "the middle of a joint's limits"
+        )
     return payload
 
 

@@ -271,9 +271,7 @@ def _coverage(result: SingularFamilies) -> tuple[str, ...]:
     if coverage.complete:
         notes.append(f"conditions on one joint alone are complete (common roots of polynomials{slides}){but}")
     if coverage.unseen is not None:
-        notes.append(
-            f"all others are statistical: {_chance(coverage, result.converged)}, as far as the searches' starts are fair"
-        )
+        notes.append(f"all others are statistical: {_chance(coverage, result.converged)}")
     return tuple(notes)
 
 

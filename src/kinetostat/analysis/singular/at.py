@@ -95,8 +95,8 @@ def singular_at(
     J = U diag(s) V^T, (m, n), with linear rows (and slides) in units of the arm's length L, is compared with the rank r
     that it has almost everywhere: the configuration is singular if s_r < 1e-5 ("model"; "strict" if s_r < 1e-9). The
     wrenches w with J^T w = 0 are what is lost, the rates v with J v = 0 move nothing. A structure that never has full
-    rank, such as an arm of five joints, is not singular for that. Bruyninckx and De Schutter, "Introduction to
-    intelligent robotics", 2001, on singularities by lines; B. Roth, "Screws, motors, and wrenches", 1984.
+    rank, such as an arm of five joints, is not singular for that. K. Hunt, "Kinematic Geometry of Mechanisms",
+    1978, on reciprocal screws; B. Roth, "Screws, motors, and wrenches that cannot be bought in a hardware store", 1984.
 
     Args:
         model: the robot.

@@ -37,6 +37,7 @@ _TRIED = 6  # members of a small group that are tried
 _BACK = 8  # searches from beside each
 _NUDGE = 0.1  # rad or L: how far beside
 _SLIVER = 50  # how many times larger a surface is than what is taken for a part of it
+_PART = 10  # and if the part has the positions that the surface shares
 
 
 def surfaces(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> tuple[list[Group], Array]:
@@ -140,10 +141,13 @@ def _without_slivers(mechanism: Mechanism, found: list[Group]) -> list[Group]:
 
 
 def _is_sliver(mechanism: Mechanism, small: Group, large: Group) -> bool:
-    few = len(small.members) * _SLIVER <= len(large.members)
-    if not few or small.codimension != large.codimension or not set(small.support) <= set(large.support):
+    """Return whether a group is a part of a larger one: fewer joints seem to matter, more positions to be shared."""
+    if not set(small.support) <= set(large.support):
         return False
-    return bool(np.all(_off(mechanism, large, small.members) < _BESIDE))
+    if not large.held:  # nothing else tells that it is a part
+        return small.codimension == large.codimension and len(small.members) * _SLIVER <= len(large.members)
+    few = len(small.members) * _PART <= len(large.members)
+    return few and bool(np.all(_off(mechanism, large, small.members) < _BESIDE))
 
 
 def _off(mechanism: Mechanism, group: Group, q: Array) -> Array:

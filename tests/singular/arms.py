@@ -74,7 +74,8 @@ def robot(name):
 
 @cache
 def families(name, frame, observer=None, **asked):
-    """Return what `singular_find` says of an arm, asked once."""
+    """Return what `singular_find` says of an arm, asked once; 200 searches unless told."""
+    asked.setdefault("starts", 200)
     return ks.singular_find(robot(name), frame, relative_to=observer, **asked)
 
 
@@ -84,7 +85,18 @@ def arm_of(name, frame, observer=None, axes=None):
     return mechanism(robot(name), frame, relative_to=observer, axes=axes)
 
 
-# --- numbers of Pinocchio alone ----------------------------------------------------------------------------------
+@cache
+def answers(name, frame, observer=None):
+    """Return what is said at the witness of every family of an arm: pairs of a family and an answer."""
+    result = families(name, frame, observer)
+    arm = result.mechanism
+    return [
+        (family, ks.singular_at(arm.model, frame, whole(arm, family.witness), relative_to=observer))
+        for family in result.families
+    ]
+
+
+# --- numbers of Pinocchio alone --------------------------------------------------------------------------------------
 
 
 def whole(arm, q):
@@ -128,7 +140,9 @@ def decisive(arm, q):
 
 def tool(arm, q):
     """Return Pinocchio's placement of the tool point, (..., 4, 4)."""
-    placement = arm.model.engine.placement(whole(arm, np.asarray(q, dtype=float)), arm.velocity.of, arm.velocity.relative_to)
+    placement = arm.model.engine.placement(
+        whole(arm, np.asarray(q, dtype=float)), arm.velocity.of, arm.velocity.relative_to
+    )
     at = np.eye(4)
     at[:3, 3] = arm.velocity.point or (0, 0, 0)
     return placement @ at
@@ -160,7 +174,7 @@ def near_angle(a, b):
     return np.abs(np.remainder(np.asarray(a) - b + math.pi, 2 * math.pi) - math.pi)
 
 
-# --- arms made to a plan -------------------------------------------------------------------------------------------
+# --- arms made to a plan ---------------------------------------------------------------------------------------------
 
 
 @dataclass
@@ -233,7 +247,11 @@ def planned(lines, seed, **asked):
 
 def _joint(names, i, line, parent, placement, axis, digits):
     child = f"link {names[i]}"
-    limit = "" if line.limits is None else f'<limit lower="{line.limits[0]!r}" upper="{line.limits[1]!r}" effort="1" velocity="1"/>'
+    limit = (
+        ""
+        if line.limits is None
+        else f'<limit lower="{line.limits[0]!r}" upper="{line.limits[1]!r}" effort="1" velocity="1"/>'
+    )
     follow = ""
     if line.mimic is not None:
         leader, multiplier, offset = line.mimic
@@ -248,7 +266,8 @@ def _joint(names, i, line, parent, placement, axis, digits):
 def _fixed(name, parent, child, placement, digits):
     return [
         f'<link name="{child}"/>',
-        f'<joint name="{name}" type="fixed"><parent link="{parent}"/><child link="{child}"/>{_origin(placement, digits)}</joint>',
+        f'<joint name="{name}" type="fixed"><parent link="{parent}"/><child link="{child}"/>'
+        f"{_origin(placement, digits)}</joint>",
     ]
 
 
@@ -257,7 +276,8 @@ def _origin(placement, digits):
     pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
     roll, yaw = math.atan2(r[2, 1], r[2, 2]), math.atan2(r[1, 0], r[0, 0])
     angles = np.array([roll, pitch, yaw])
-    return f'<origin xyz="{_numbers(placement[:3, 3])}" rpy="{_numbers(angles if digits is None else angles.round(digits))}"/>'
+    angles = angles if digits is None else angles.round(digits)
+    return f'<origin xyz="{_numbers(placement[:3, 3])}" rpy="{_numbers(angles)}"/>'
 
 
 def _numbers(values):

@@ -86,7 +86,12 @@ def test_the_starts_are_left_as_they_are():
     assert np.array_equal(q, before)
 
 
-SQUARE = [("ur5_robot", "tool0"), ("textbook:puma560", "tool"), ("kinova", "j2s6s200_end_effector"), ("talos_reduced", "left_sole_link")]
+SQUARE = [
+    ("ur5_robot", "tool0"),
+    ("textbook:puma560", "tool"),
+    ("kinova", "j2s6s200_end_effector"),
+    ("talos_reduced", "left_sole_link"),
+]
 
 
 @pytest.mark.parametrize(("name", "frame"), SQUARE)

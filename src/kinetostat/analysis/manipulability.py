@@ -226,8 +226,8 @@ def manipulability(
     mixed = [name for name, block in blocks.items() if block.unit == "mixed"]
     if mixed and (axes is None or "task" in mixed):
         warnings.append(
-            f"m and rad are mixed in {', '.join(mixed)}: such numbers depend on the unit of length (--length auto, or a "
-            "length in m, makes them comparable)"
+            f"m and rad are mixed in {', '.join(mixed)}: such numbers depend on the unit of length (--length auto, or "
+            "a length in m, makes them comparable)"
         )
     line = None if direction is None else _transmission(direction, matrix, turning, size, weighing)
     return Manipulability(

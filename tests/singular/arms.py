@@ -7,7 +7,7 @@ configuration; `arm_urdf` turns them into a file whose joints have any names, fr
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from random import Random
 
@@ -107,13 +107,15 @@ def whole(arm, q):
     return full
 
 
-def columns(arm, q):
+def columns(arm, q, *, at_tool=False):
     """Return Pinocchio's Jacobian by a chain's coordinates, (..., 6, n), in m and rad.
 
+    It is of the point that the mechanism is computed at, or of the tool point that was asked about.
     Its columns of a planar joint are for (vx, vy) in the moved frame; the coordinates are those in the parent's.
     """
     full = whole(arm, np.asarray(q, dtype=float))
-    matrix = arm.model.engine.jacobian(full, arm.velocity)
+    velocity = replace(arm.velocity, point=tuple(arm.point)) if at_tool else arm.velocity
+    matrix = arm.model.engine.jacobian(full, velocity)
     found = []
     for joint in dict.fromkeys(arm.joints):
         part = matrix[..., arm.model.robot.velocity_slices[joint.name]]
@@ -138,13 +140,13 @@ def decisive(arm, q):
     return np.linalg.svd(pure(arm, q), compute_uv=False)[..., arm.generic_rank - 1]
 
 
-def tool(arm, q):
-    """Return Pinocchio's placement of the tool point, (..., 4, 4)."""
+def tool(arm, q, *, at_tool=False):
+    """Return Pinocchio's placement of the mechanism's own point, or of the tool point, (..., 4, 4)."""
     placement = arm.model.engine.placement(
         whole(arm, np.asarray(q, dtype=float)), arm.velocity.of, arm.velocity.relative_to
     )
     at = np.eye(4)
-    at[:3, 3] = arm.velocity.point or (0, 0, 0)
+    at[:3, 3] = arm.point if at_tool else arm.velocity.point or (0, 0, 0)
     return placement @ at
 
 

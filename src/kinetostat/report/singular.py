@@ -143,7 +143,8 @@ def _inside(result: SingularAt) -> list[Table]:
         return []
     arm = result.mechanism
     everywhere = len(arm.names) - arm.generic_rank
-    shown = "what moves inside: joint rates with the tool at rest"
+    rest = "with the tool at rest" if len(arm.task.rows) == 6 else f"that leave {' '.join(arm.task.row_names)} at 0"
+    shown = f"what moves inside: joint rates {rest}"
     if everywhere:
         shown += f" ({everywhere} of them at every configuration)"
     header = ("joint", "unit", *(f"motion {i + 1}" for i in range(len(result.self_motions))))

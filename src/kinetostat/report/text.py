@@ -26,7 +26,7 @@ def render(view: View) -> str:
         blocks.append("\n".join(printable(line) for line in view.drawing))
     for table in view.tables:
         body = _words(table) if table.words else _numbers(table)
-        blocks.append(f"{table.title}\n{body}" if table.title else body)
+        blocks.append("\n".join([*textwrap.wrap(printable(table.title), WIDTH), body]))
     if view.notes:
         notes = [part for line in view.notes for part in textwrap.wrap(printable(line), WIDTH)]
         blocks.append("\n".join(notes))

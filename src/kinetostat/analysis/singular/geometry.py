@@ -25,7 +25,6 @@ from kinetostat.analysis.singular.lines import (
     in_one_plane,
     meeting_point,
     parallel,
-    spread,
 )
 from kinetostat.analysis.singular.losses import LostWrench
 from kinetostat.analysis.singular.mechanism import Mechanism
@@ -91,7 +90,7 @@ class Geometry:
         causes = []
         for chosen in _flats(matrix, [c for c in _dependent_sets(mechanism, q) if self._special(c)]):
             about = [axes[i] for i in chosen]
-            words = _words(about, matrix[:, list(chosen)]) if mechanism.task.angular else _point_words(about)
+            words = self._words(about, matrix[:, list(chosen)])
             causes.append(Cause(words, tuple(axis.joint for axis in about)))
         involved = [i for i, row in enumerate(motions) if float(np.max(np.abs(row))) > 1e-6]
         for wrench in lost:
@@ -103,6 +102,13 @@ class Geometry:
             ):
                 causes.append(told)
         return tuple(causes)
+
+    def _words(self, axes: Sequence[Axis], columns: Array) -> str:
+        """Return in words why these joints are dependent in what the task is about."""
+        task, length = self.mechanism.task, self.mechanism.length
+        if not task.angular:
+            return _point_words(axes, length)
+        return _screw_words(axes, columns, length) if task.linear else _turn_words(axes, columns)
 
     def _special(self, chosen: tuple[int, ...]) -> bool:
         """Return whether a dependent set is not so at every configuration, in whole or in part."""
@@ -123,7 +129,7 @@ class Geometry:
             others = [axis for axis in meets if distance(axis, centre) > TOUCHING * length]
             own = {axes[i].joint for i in self.centre}
             on = [axis for axis in meets if axis not in others and axis.joint not in own]
-            told = _at_centre(name, centre, others, along, on)
+            told = _at_centre(name, others, along, on, in_one_plane(others, length, centre) if others else False)
             if told is not None:
                 return told
         if len(meets) == len(axes):
@@ -187,11 +193,12 @@ def _meets(axis: Axis, wrench: LostWrench, length: float) -> bool:
 
 
 def _at_centre(
-    name: str, centre: Array, others: Sequence[Axis], along: Sequence[Axis], on: Sequence[Axis]
+    name: str, others: Sequence[Axis], along: Sequence[Axis], on: Sequence[Axis], flat: bool
 ) -> Cause | None:
     """Return what is special about the wrist centre: a line through it meets or follows all other axes.
 
-    `others` meet the line elsewhere, `along` are parallel to it, `on` pass through the centre without belonging to it.
+    `others` meet the line elsewhere (`flat`: in one plane with the centre), `along` are parallel to it, `on` pass
+    through the centre without belonging to it.
     """
     joints = tuple(axis.joint for axis in (*others, *along))
     if not others and on:
@@ -199,7 +206,7 @@ def _at_centre(
     if len(others) == 1 and along:
         plane = f"the plane through the axis of {_list([others[0].joint])}"
         return Cause(f"{name} lies in {plane} that is parallel to the {_of_axes(along)}", joints, at_centre=True)
-    if len(others) > 1 and not along and in_one_plane(others, centre):
+    if len(others) > 1 and not along and flat:
         return Cause(f"{name} lies in the plane of the {_of_axes(others)}", joints, at_centre=True)
     return None
 
@@ -246,11 +253,11 @@ def _dependent_sets(mechanism: Mechanism, q: Array) -> list[tuple[int, ...]]:
 
 
 def _columns(mechanism: Mechanism, q: Array) -> Array:
-    """Return the columns that dependence is looked for in, as pure numbers: of the task's rows where only points count.
+    """Return the columns that dependence is looked for in, as pure numbers.
 
-    Else all six rows: whole screws, which have a geometry.
+    Those of the task's rows where only translations or only turns count; else whole screws, which have a geometry.
     """
-    if not mechanism.task.angular:
+    if not mechanism.task.mixed:
         return mechanism.jacobian(q)
     matrix = mechanism.chain.jacobian(q) * mechanism.units
     matrix[:3] /= mechanism.length
@@ -270,7 +277,7 @@ def _flats(matrix: Array, sets: Sequence[tuple[int, ...]]) -> list[tuple[int, ..
     return found
 
 
-def _words(axes: Sequence[Axis], columns: Array) -> str:
+def _screw_words(axes: Sequence[Axis], columns: Array, length: float) -> str:
     """Return in words why the screws of these joints, columns (6, k), are dependent."""
     names = _list([axis.joint for axis in axes])
     turns = [axis for axis in axes if axis.point is not None]
@@ -280,11 +287,11 @@ def _words(axes: Sequence[Axis], columns: Array) -> str:
     if not slides:
         if rank == 1:
             return f"the axes of {names} coincide"
-        meet = meeting_point(turns, spread(turns)) is not None
+        meet = meeting_point(turns, length) is not None
         relation = "are parallel" if aligned else "meet in a point" if meet else ""
         if rank == 2 and relation:
             return f"the axes of {names} {relation} and lie in one plane"
-        if relation or in_one_plane(turns):
+        if relation or in_one_plane(turns, length):
             return f"the axes of {names} {relation or 'lie in one plane'}"
     elif not turns:
         return f"the slides {names} are parallel" + (" to one plane" if rank > 1 else "")
@@ -303,15 +310,22 @@ def _slides(slides: Sequence[Axis]) -> str:
     return f"slide {names} adds nothing" if len(slides) == 1 else f"slides {names} add nothing"
 
 
-def _point_words(axes: Sequence[Axis]) -> str:
+def _point_words(axes: Sequence[Axis], length: float) -> str:
     """Return in words why these joints' velocities of the tool point are dependent."""
     names = _list([axis.joint for axis in axes])
     if len(axes) == 1:
         return f"the tool point lies on the axis of {names}"
     if any(axis.point is None for axis in axes):
         return f"{names} move the tool point along {'one line' if len(axes) == 2 else 'one plane'}"
-    planes = "lies in the plane of" if in_one_plane(axes) else "lies in one plane with each of"
+    planes = "lies in the plane of" if in_one_plane(axes, length) else "lies in one plane with each of"
     return f"the tool point {planes} the axes of {names}"
+
+
+def _turn_words(axes: Sequence[Axis], columns: Array) -> str:
+    """Return in words why the turns of these joints, columns (m, k), are dependent."""
+    names = _list([axis.joint for axis in axes])
+    rank = int(np.sum(np.linalg.svd(columns, compute_uv=False) > 10 * TOUCHING))
+    return f"the axes of {names} are parallel{' to one plane' if rank > 1 else ''}"
 
 
 def _of_axes(axes: Sequence[Axis]) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from kinetostat.analysis.singular.mechanism import Mechanism
 from kinetostat.conventions import Array
 
-__all__ = ["TOUCHING", "Axis", "axes_at", "distance", "in_one_plane", "meeting_point", "parallel", "spread"]
+__all__ = ["TOUCHING", "Axis", "axes_at", "distance", "in_one_plane", "meeting_point", "parallel"]
 
 TOUCHING = 1e-4  # directions in rad, distances in L: rounded files are to be explained, too
 
@@ -48,12 +48,6 @@ def parallel(axes: Sequence[Axis]) -> bool:
     return all(float(np.linalg.norm(np.cross(axes[0].direction, axis.direction))) < TOUCHING for axis in axes[1:])
 
 
-def spread(axes: Sequence[Axis]) -> float:
-    """Return how far apart the lines' points are, in m."""
-    points = np.array([axis.point for axis in axes])
-    return max(float(np.max(np.abs(points - points[0]))), 1e-3)
-
-
 def meeting_point(axes: Sequence[Axis], length: float) -> Array | None:
     """Return the point in which lines meet; None if they do not, or if they are parallel."""
     blocks = [np.eye(3) - np.outer(axis.direction, axis.direction) for axis in axes]
@@ -73,9 +67,8 @@ def distance(axis: Axis, point: Array) -> float:
     return float(np.linalg.norm(np.cross(point - axis.point, axis.direction)))
 
 
-def in_one_plane(axes: Sequence[Axis], point: Array | None = None) -> bool:
-    """Return whether lines, and the point if one is given, lie in one plane."""
+def in_one_plane(axes: Sequence[Axis], length: float, point: Array | None = None) -> bool:
+    """Return whether lines, and the point if one is given, lie in one plane; distances in units of a length."""
     points = np.array([axis.point for axis in axes] + ([] if point is None else [point]))
-    size = max(float(np.max(np.abs(points - points[0]))), 1e-3)
-    vectors = np.concatenate([(points[1:] - points[0]) / size, [axis.direction for axis in axes]])
+    vectors = np.concatenate([(points[1:] - points[0]) / length, [axis.direction for axis in axes]])
     return bool(len(vectors) < 3 or np.linalg.svd(vectors, compute_uv=False)[2] < TOUCHING)

@@ -102,13 +102,17 @@ def lost_wrenches(mechanism: Mechanism, q: Array, basis: Array) -> tuple[LostWre
     rows[:3] /= mechanism.length  # back to metres: power is the same in both
     _, placement = mechanism.chain.columns(q)
     tool = mechanism.tool(q)
-    rows[3:] += np.cross(placement[:3, 3] - tool, rows[:3].T).T
-    return tuple(_lost_wrench(mechanism, row, tool) for row in _plain_basis(rows.T))
+    arm = placement[:3, 3] - tool
+    rows[3:] += np.cross(arm, rows[:3].T).T
+    size = mechanism.length + float(np.linalg.norm(arm))
+    in_size = np.repeat([1.0, size], 3)  # forces and moments of one size, as long as they are compared
+    return tuple(_lost_wrench(mechanism, row * in_size, tool, size) for row in _plain_basis(rows.T / in_size))
 
 
-def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array) -> LostWrench:
+def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array, reach: float) -> LostWrench:
+    """Return a wrench with its screw and its meaning; `reach` is the size of moments for unit forces, in m."""
     force, moment = wrench[:3], wrench[3:]
-    size = float(np.linalg.norm(force)) * mechanism.length
+    size = float(np.linalg.norm(force)) * reach
     if size <= _PURE * float(np.linalg.norm(moment)):
         wrench = _signed(np.concatenate([np.zeros(3), moment / np.linalg.norm(moment)]))
         words = (

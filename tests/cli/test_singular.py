@@ -30,13 +30,12 @@ ROBOTS = [
     ("example:panda", "panda_hand", None),
     ("example:pr2", "r_gripper_tool_frame", "torso_lift_link"),
     ("example:so100", "gripper", None),
-    ("example:solo12", "FL_FOOT", None),
     ("textbook:stanford", "tool", None),
     ("textbook:modern_robotics_hhhh", "tool", None),
     ("textbook:planar_1r", "tool", None),
 ]
 
-REDUNDANT = {f"example:{name}" for name in ("panda", "pr2")}
+REDUNDANT = {"example:panda", "example:pr2"}
 
 
 def words(robot, frame, observer):
@@ -117,7 +116,7 @@ def test_at_and_find_agree_through_the_command_line(cli):
         answer = cli("singular", "at", "textbook:puma560", "-q", q, "-F", "json").json["result"]
         assert answer["singular"] is True
         assert answer["tolerance"] == "strict"
-        assert answer["kind"] == family["kind"]
+        assert answer["kind"] in family["kind"].split(" or ")
 
 
 def assert_fits(done):

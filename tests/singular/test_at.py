@@ -21,8 +21,8 @@ from singular.arms import (
 from trees import load_text
 
 HALF = np.pi / 2
-ALL = (*ARMS[:4], ARMS[5], *REDUNDANT[:4], *LEGS[:6], LEGS[9], *FINGERS)
-SOME = (*ARMS, REDUNDANT[0], *REDUNDANT[3:5], LEGS[0], LEGS[2], LEGS[5], LEGS[9], *FINGERS)
+ALL = (*ARMS[:4], ARMS[5], *REDUNDANT[:3], *LEGS[:3], LEGS[5], LEGS[9], *FINGERS)
+SOME = (*ARMS, REDUNDANT[0], REDUNDANT[3], LEGS[0], LEGS[2], LEGS[5], LEGS[9], *FINGERS)
 BOOKS = tuple((f"textbook:{name}", "tool", None) for name in TEXTBOOK)
 
 

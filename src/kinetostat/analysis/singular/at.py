@@ -10,7 +10,7 @@ import numpy as np
 from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.singular.complete import single_joint_families
-from kinetostat.analysis.singular.families import held_sets
+from kinetostat.analysis.singular.families import codimension_at, held_sets
 from kinetostat.analysis.singular.geometry import Cause, geometry
 from kinetostat.analysis.singular.kind import kind
 from kinetostat.analysis.singular.losses import (
@@ -132,7 +132,9 @@ def singular_at(
     lost = lost_wrenches(arm, here, space)
     shape = geometry(arm)
     held = _conditions(arm, here)
-    names = [shape.name(indices, here, lost, motions) for indices in held or [()]]
+    names = [shape.name(indices, here, lost, motions) for indices in held]
+    if len(lost) != 1 or not held:  # what the conditions do not tell
+        names.append(shape.name((), here, lost, motions))
     conditions = tuple(
         Condition({arm.names[i]: float(here[i]) for i in indices}, name)
         for indices, name in zip(held, names, strict=False)
@@ -180,9 +182,11 @@ def _columns(arm: Mechanism, joint: str) -> range:
 def _conditions(arm: Mechanism, q: Array) -> list[tuple[int, ...]]:
     """Return the smallest sets of one or two joints that keep the arm singular by themselves."""
     generator = np.random.default_rng(_SEED)
-    singles = held_sets(arm, q[None], 1, generator)[0]
-    pairs = held_sets(arm, q[None], 2, generator)[0]
-    return singles + [pair for pair in pairs if not any(single[0] in pair for single in singles)]
+    singles = held_sets(arm, q[None], 1, generator, MODEL)[0]
+    pairs = held_sets(arm, q[None], 2, generator, MODEL)[0]
+    alone = [pair for pair in pairs if not any(single[0] in pair for single in singles)]
+    # A point of a curve in two joints keeps the arm singular, too, but that is a relation and no position.
+    return singles + (alone if codimension_at(arm, q) > 1 else [])
 
 
 def _joined(names: Sequence[str | None]) -> str | None:

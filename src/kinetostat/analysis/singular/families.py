@@ -63,31 +63,37 @@ class Group:
         return self.held != self.support
 
 
-def held_sets(mechanism: Mechanism, q: Array, size: int, generator: np.random.Generator) -> list[list[tuple[int, ...]]]:
+def held_sets(
+    mechanism: Mechanism, q: Array, size: int, generator: np.random.Generator, tolerance: float
+) -> list[list[tuple[int, ...]]]:
     """Return for each configuration (N, n) the sets of so many joints that keep it singular by themselves."""
     sets = list(combinations(range(len(mechanism.names)), size))
     found: list[list[tuple[int, ...]]] = [[] for _ in q]
     if not sets or not len(q):
         return found
     masks = np.array([[i in chosen for i in range(q.shape[-1])] for chosen in sets])
-    screened = stay(mechanism, q[:, None, :], masks, 1, generator)
+    screened = stay(mechanism, q[:, None, :], masks, 1, generator, tolerance)
     for which, chosen in zip(*np.nonzero(screened), strict=True):
-        if stays_held(mechanism, q[which], sets[chosen], generator):
+        if stays_held(mechanism, q[which], sets[chosen], generator, tolerance):
             found[which].append(sets[chosen])
     return found
 
 
-def stays_held(mechanism: Mechanism, q: Array, held: tuple[int, ...], generator: np.random.Generator) -> bool:
+def stays_held(
+    mechanism: Mechanism, q: Array, held: tuple[int, ...], generator: np.random.Generator, tolerance: float
+) -> bool:
     """Return whether one configuration (n,) stays singular with some joints held, beyond chance."""
     mask = np.isin(np.arange(q.shape[-1]), held)
-    return all(bool(stay(mechanism, q, mask, draws, generator)) for draws in (_DRAWS, _MANY_DRAWS))
+    return all(bool(stay(mechanism, q, mask, draws, generator, tolerance)) for draws in (_DRAWS, _MANY_DRAWS))
 
 
-def stay(mechanism: Mechanism, q: Array, masks: Flags, draws: int, generator: np.random.Generator) -> Flags:
+def stay(
+    mechanism: Mechanism, q: Array, masks: Flags, draws: int, generator: np.random.Generator, tolerance: float
+) -> Flags:
     """Return whether configurations stay singular with the masked joints held and the others drawn anew."""
     shape = np.broadcast_shapes(q.shape, masks.shape)
     drawn = mechanism.draw(generator, (draws, *shape[:-1]))
-    stay: Flags = np.all(mechanism.smallest(np.where(masks, q, drawn)) < MODEL, axis=0)
+    stay: Flags = np.all(mechanism.smallest(np.where(masks, q, drawn)) < tolerance, axis=0)
     return stay
 
 
@@ -139,7 +145,7 @@ def grouped(
     while len(pending):
         chunk, pending = pending[:_CHUNK], pending[_CHUNK:]
         for size in (1, 2):
-            for i, holding in enumerate(held_sets(mechanism, chunk, size, generator)):
+            for i, holding in enumerate(held_sets(mechanism, chunk, size, generator, mechanism.tolerance)):
                 for held in holding:
                     if size > 1 and codimension_at(mechanism, chunk[i]) < size:
                         continue  # a curve in two joints, not positions of theirs

@@ -211,7 +211,7 @@ def _family(arm: Mechanism, shape: Geometry, group: Group, complete: bool, gener
         {arm.names[i]: position for i, position in zip(group.held, group.positions, strict=True)},
         tuple(arm.names[i] for i in group.support),
         group.codimension,
-        " or ".join(name for name, _ in Counter(told).most_common()),
+        _kinds(told),
         _name(shape, group, witness, lost, motions),
         shape.causes(witness, lost, motions),
         "strict" if group.exact else "model",
@@ -221,6 +221,12 @@ def _family(arm: Mechanism, shape: Geometry, group: Group, complete: bool, gener
         witness,
         values[order[0]],
     )
+
+
+def _kinds(told: Sequence[str]) -> str:
+    """Return the kind of most members, then others that are no exception, or that the first, the witness, has."""
+    first, *others = Counter(told).most_common()
+    return " or ".join([first[0], *(name for name, count in others if count > 1 or name == told[0])])
 
 
 def _name(shape: Geometry, group: Group, witness: Array, lost: Sequence[LostWrench], motions: Array) -> str | None:

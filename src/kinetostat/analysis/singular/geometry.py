@@ -95,11 +95,8 @@ class Geometry:
         involved = [i for i, row in enumerate(motions) if float(np.max(np.abs(row))) > 1e-6]
         for wrench in lost:
             told = self._line(wrench, axes, involved)
-            if (
-                told is not None
-                and (not causes or told.at_centre)
-                and told.text not in [cause.text for cause in causes]
-            ):
+            said = told is None or any(set(told.joints) == set(cause.joints) for cause in causes)
+            if told is not None and not said and (not causes or told.at_centre):
                 causes.append(told)
         return tuple(causes)
 

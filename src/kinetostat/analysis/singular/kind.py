@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinetostat.analysis.singular.mechanism import Mechanism
+from kinetostat.analysis.singular.mechanism import MODEL, Mechanism
 from kinetostat.conventions import Array
 
 __all__ = ["kind", "second_order_forms"]
@@ -50,9 +50,10 @@ def kind(mechanism: Mechanism, q: Array, lost: Array, motions: Array) -> str:
     """
     matrix, along = mechanism.derivatives(q)
     forms = second_order_forms(mechanism, q, lost, motions)
-    # As far as the matrix is from singular, so far is the form from what it would be if it were.
+    # As far as the matrix is from singular, so far is the form from what it would be if it were; or if the file did
+    # not round its angles.
     off = float(np.max(np.linalg.norm(matrix @ motions, axis=0)))
-    nothing = max(_NOTHING, 10 * off) * max(1.0, float(np.max(np.abs(along))))
+    nothing = max(_NOTHING, 10 * off, MODEL if mechanism.rounded else 0.0) * max(1.0, float(np.max(np.abs(along))))
     if float(np.max(np.abs(forms))) < nothing:
         return "tangential"
     if not _one_sided(forms, nothing):

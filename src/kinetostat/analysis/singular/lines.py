@@ -34,7 +34,7 @@ def axes_at(mechanism: Mechanism, q: Array) -> tuple[Axis, ...] | None:
     for i, joint in enumerate(mechanism.names):
         column = columns[:, int(np.flatnonzero(fold[:, i])[0])]
         v, w = column[:3], column[3:]
-        if not mechanism.turning[i]:
+        if float(np.linalg.norm(w)) < 0.5:
             found.append(Axis(joint, v / np.linalg.norm(v), None))
         elif abs(float(v @ w)) > 1e-9 * mechanism.length:
             return None

@@ -20,14 +20,16 @@ from kinetostat.screw import se3
 from kinetostat.screw.chain import Chain
 from kinetostat.urdf.description import Joint, JointType, Robot
 
-__all__ = ["MODEL", "STRICT", "Mechanism", "mechanism"]
+__all__ = ["EXACT", "MODEL", "STRICT", "Mechanism", "mechanism"]
 
 STRICT = 1e-9  # a singular value below it is zero in exact numbers
+EXACT = 1e-7  # what becomes of a strict zero at a configuration that a search has found to its own accuracy
 MODEL = 1e-5  # and below this, zero but for the rounding of a file that writes 1.5708 for pi/2
 _SAMPLES = 32  # configurations that decide the generic rank and the unit of length
 _SEED = 0
 _NO_LENGTH = 1e-9  # of the robot's reach: a distance below it is rounding
-_SLACK = 1e-6  # a limit typed with seven digits is not exceeded by its own rounding
+_ROUNDED = 1e-3  # rad: what a rounded angle is off
+_SLACK = 1e-5  # a limit typed with six digits is not exceeded by its own rounding
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,20 @@ class Mechanism:
         whole = np.abs(self.chain.fold - np.round(self.chain.fold)) < 1e-12
         each = np.all((whole & no_pitch[:, None]) | (self.chain.fold == 0), axis=0)
         return tuple(bool(same and turns) for same, turns in zip(each, self.turning, strict=True))
+
+    @cached_property
+    def rounded(self) -> bool:
+        """Whether the file rounds an angle of the arm: writes nearly, but not quite, a multiple of an eighth turn."""
+        robot = self.model.robot
+        path = robot.path(self.velocity.relative_to, self.velocity.of)
+        eighths = np.array([joint.origin.rpy for joint, _ in path]) * 4 / math.pi
+        off = np.abs(eighths - np.round(eighths)) * math.pi / 4
+        return bool(np.any((off > STRICT) & (off < _ROUNDED)))
+
+    @property
+    def tolerance(self) -> float:
+        """What singular values of the arm count as zero: rounding in the file makes more of them."""
+        return MODEL if self.rounded else EXACT
 
     def tool(self, q: Array) -> Array:
         """Return the tool point in the observer's coordinates. (..., n) -> (..., 3), m."""

@@ -22,7 +22,7 @@ from kinetostat.analysis.singular.families import (
 )
 from kinetostat.analysis.singular.mechanism import STRICT, Mechanism
 from kinetostat.analysis.singular.search import converge
-from kinetostat.conventions import Array
+from kinetostat.conventions import Array, Flags
 
 __all__ = ["surfaces"]
 
@@ -33,6 +33,8 @@ _FEWEST = 4  # and how many at least
 _ROUNDED = 1e-3  # rad or m: positions so close to one that many share are that one, but for rounding
 _SAME = 1e-8  # rad or m: and those that differ by less are one in exact numbers
 _BESIDE = 0.05  # rad or L: how far from a shared position a member of a sliver may be
+_DRAWS = 12  # positions of one joint that are tried
+_FEW = 0.1  # share that is too small to be a surface apart
 _TRIED = 6  # members of a small group that are tried
 _BACK = 8  # searches from beside each
 _NUDGE = 0.1  # rad or L: how far beside
@@ -73,7 +75,7 @@ def surfaces(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> 
 def _supports(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> list[tuple[int, ...]]:
     """Return for each configuration the joints that matter: moved alone, they leave the singular set."""
     others_held = ~np.eye(q.shape[-1], dtype=bool)
-    matters = ~stay(mechanism, q[:, None, :], others_held, 4, generator)
+    matters = ~stay(mechanism, q[:, None, :], others_held, _DRAWS, generator, mechanism.tolerance)
     return [tuple(int(j) for j in np.flatnonzero(row)) for row in matters]
 
 
@@ -100,7 +102,7 @@ def _isolated(
         if any(on_group(mechanism, group, x[None])[0] for group in groups):
             continue
         alone = len(support) > 2 and codimension_at(mechanism, x) == len(support)
-        if alone and stays_held(mechanism, x, support, generator):
+        if alone and stays_held(mechanism, x, support, generator, mechanism.tolerance):
             draft = group_of(mechanism, support, x[list(support)], generator)
             groups.append(replace(draft, members=q[on_group(mechanism, draft, q)]))
         else:
@@ -109,11 +111,34 @@ def _isolated(
 
 
 def _told_apart(mechanism: Mechanism, support: tuple[int, ...], q: Array) -> list[Group]:
-    """Return the surfaces of configurations with one support, by the positions that they share."""
-    common, by_positions = _common_positions(mechanism, q), dict[tuple[tuple[int, float], ...], list[int]]()
+    """Return the surfaces of configurations with one support, by the positions that they share.
+
+    And by whether the second-order form is zero: on one surface it is so everywhere, or almost nowhere.
+    """
+    if not len(q):
+        return []
+    common, tangent = _common_positions(mechanism, q), _tangent(mechanism, q)
+    apart: dict[tuple[bool, tuple[tuple[int, float], ...]], list[int]] = {}
     for i, row in enumerate(common):
-        by_positions.setdefault(tuple((j, float(row[j])) for j in support if np.isfinite(row[j])), []).append(i)
-    return [_surface(mechanism, support, fixed, q[members]) for fixed, members in by_positions.items()]
+        fixed = tuple((j, float(row[j])) for j in support if np.isfinite(row[j]))
+        apart.setdefault((bool(tangent[i]), fixed), []).append(i)
+    return [_surface(mechanism, support, fixed, q[members]) for (_, fixed), members in apart.items()]
+
+
+def _tangent(mechanism: Mechanism, q: Array) -> Flags:
+    """Return whether the second-order form u^T dJ(v, v) is zero at singular configurations. (N, n) -> (N,).
+
+    Of all wrenches u that no joint feels: for those that none feels anywhere it is zero in any case.
+    """
+    matrix, along = mechanism.derivatives(q)
+    left, _, right = np.linalg.svd(matrix)
+    first = mechanism.generic_rank - 1
+    wrenches, motions = left[..., first:], right[..., first:, :]
+    forms = np.einsum("Nrk,Nrij,Nai,Nbj->Nkab", wrenches, along, motions, motions, optimize=True)
+    symmetric = (forms + np.swapaxes(forms, -1, -2)) / 2
+    tangent: Flags = np.max(np.abs(symmetric), axis=(-3, -2, -1)) < mechanism.tolerance
+    few = min(np.mean(tangent), np.mean(~tangent)) < _FEW  # near where the form passes through zero
+    return np.full(len(q), np.mean(tangent) > 0.5) if few else tangent
 
 
 def _surface(mechanism: Mechanism, support: tuple[int, ...], fixed: tuple[tuple[int, float], ...], q: Array) -> Group:

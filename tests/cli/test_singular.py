@@ -300,3 +300,21 @@ def test_an_answer_goes_to_a_file(cli, tmp_path):
     done = cli("singular", "find", "textbook:planar_2r", "--starts", "20", "-F", "json", "-o", target)
     assert (done.code, done.out) == (0, "")
     assert len(strictly(target.read_text())["result"]["families"]) == 2
+
+
+def test_pictures_are_written_whole_or_refused_first(cli, tmp_path):
+    plane, cut = tmp_path / "plane.svg", tmp_path / "cut.png"
+    assert cli("singular", "find", "textbook:planar_2r_6_3", "--starts", "20", "--plot", str(plane)).code == 0
+    assert plane.read_text(encoding="utf-8").count("joint2 = 0") >= 1
+    done = cli(
+        *("singular", "find", "textbook:stanford", "--starts", "20", "--plot", str(cut)),
+        *("--joints", "joint3,joint5", "--deg"),
+    )
+    assert done.code == 0
+    assert cut.read_bytes().startswith(b"\x89PNG")
+    refused = cli("singular", "find", "textbook:stanford", "--plot", str(tmp_path / "picture.jpg"))
+    assert refused.code == 2
+    assert "picture's format" in refused.err
+    unknown = cli("singular", "find", "textbook:stanford", "--plot", str(cut), "--joints", "joint3,joint55")
+    assert unknown.code == 2
+    assert "did you mean" in unknown.err

@@ -33,7 +33,7 @@ with "a relation of" some joints is a surface on which their positions depend on
 
 def row(arm: ks.SingularFamilies, family: ks.Family) -> str:
     """Return a line of an arm's table."""
-    condition = condition_words(arm.mechanism, family.positions, family.support, degrees=True)
+    condition = condition_words(arm.mechanism, family.positions, family.support, family.codimension, degrees=True)
     rounded = " (rounded)" if family.tolerance == "model" else ""
     why = family.causes[0].text if family.causes else ""
     where = "yes" if family.inside_limits else "no"

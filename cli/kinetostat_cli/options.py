@@ -241,7 +241,7 @@ def joined_axes(arguments: list[str]) -> list[str]:
     """Return the command line with the words after --axes joined to one: `--axes x y rz` needs no quotation marks."""
     joined, taking = list[str](), False
     for word in arguments:
-        if taking and joined[-1] != "--axes" and re.fullmatch(r"r?[xyz]+", word):
+        if taking and joined[-1] != "--axes" and re.fullmatch(r"([rvw]?[xyz]+)+", word):
             joined[-1] += f",{word}"
         else:
             taking = word == "--axes" or (taking and joined[-1] == "--axes")

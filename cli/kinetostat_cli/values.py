@@ -26,7 +26,8 @@ def numbers(text: str, option: str, count: int) -> list[float]:
         values = []
     if len(values) != count or not all(abs(value) < float("inf") for value in values):
         raise UsageError(
-            f"{option} takes {count} finite numbers, not {quote(text)}", remedy="for instance " + ",".join("0" * count)
+            f"{option} takes {count} finite numbers, not {quote(text)}",
+            remedy="for instance " + ",".join("0" * (count - 1) + "1"),
         )
     return values
 

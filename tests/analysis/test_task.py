@@ -31,7 +31,7 @@ def test_spellings_of_a_task(spelled, rows):
     assert Task.named(spelled) == Task("task", rows)
 
 
-@pytest.mark.parametrize("wrong", ["w", "xyw", "X", "r", "xrz", "x y rw", "vx", "1", "x;y", "rrz", "-x", "x\ny q"])
+@pytest.mark.parametrize("wrong", ["w", "xyw", "X", "r", "x y rw", "vr", "1", "x;y", "rrz", "-x", "x\ny q"])
 def test_what_is_no_axis_is_told(wrong):
     with pytest.raises(ks.UsageError, match=r"no axis.*rx, ry, rz turn"):
         Task.named(wrong)

@@ -22,7 +22,7 @@ def test_the_singular_curves_of_two_links_are_circles_of_their_sum_and_differenc
     curves = {curve.label: curve for curve in workspace(two_links).unlimited}
     radii = {label: np.linalg.norm(curve.points, axis=1) for label, curve in curves.items()}
     np.testing.assert_allclose(radii["joint2 = 0"], 9, atol=1e-12)
-    np.testing.assert_allclose(radii["joint2 = 3.142"], 3, atol=1e-12)
+    np.testing.assert_allclose(radii["joint2 = pi"], 3, atol=1e-12)
     for curve in curves.values():  # whole circles
         np.testing.assert_allclose(curve.points[0], curve.points[-1], atol=1e-12)
 

@@ -107,6 +107,8 @@ def find(
         from kinetostat.report.figures import check_suffix
 
         check_suffix(plot)
+    elif joints is not None:
+        raise kinetostat.UsageError("--joints chooses what --plot draws", remedy="add --plot FILE")
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
     with progress_bar() as progress:
@@ -130,6 +132,7 @@ def find(
             model,
             None,
             result.certificate,
+            result.warnings,
         ),
         output,
     )
@@ -141,8 +144,9 @@ def _draw(result: SingularFamilies, q: Array, joints: str | None, plot: Path, *,
     from kinetostat.report.figures import save, slice_figure, workspace_figure
 
     arm = result.mechanism
-    if joints is None and is_planar(arm):
-        save(workspace_figure(workspace(result, degrees=degrees)), plot)
+    plane = workspace(result, degrees=degrees) if joints is None and is_planar(arm) else None
+    if plane is not None and any(curve.kind == "singular" for curve in (*plane.curves, *plane.unlimited)):
+        save(workspace_figure(plane), plot)
         return
     chosen = None if joints is None else [name.strip() for name in joints.split(",")]
     save(slice_figure(slice_over(result, chosen, q[list(arm.indices)], degrees=degrees), degrees=degrees), plot)

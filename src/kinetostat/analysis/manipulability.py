@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from kinetostat.analysis.configuration import checked
+from kinetostat.analysis.configuration import checked, random_configurations
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.jacobian import checked_point
 from kinetostat.analysis.task import (
@@ -23,6 +23,7 @@ from kinetostat.analysis.weights import JointWeights, fixed_weights, limit_weigh
 from kinetostat.conventions import Array, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
+from kinetostat.engines.screw import ScrewEngine
 from kinetostat.errors import UsageError, quote
 from kinetostat.urdf.description import Joint, Robot
 
@@ -30,6 +31,7 @@ __all__ = ["Block", "Ellipsoid", "Manipulability", "Transmission", "manipulabili
 
 _NO_LENGTH = 1e-9  # of the robot's reach: a distance below it is rounding
 _SHORTEST, _LONGEST = 1e-9, 1e9  # m
+_SAMPLES, _SEED = 8, 0  # configurations that tell the usual rank
 STRICT = 1e-9  # of the largest singular value: below it a singular value is zero
 INDICES = ("yoshikawa", "minimum_singular_value", "inverse_condition_number", "isotropy")
 
@@ -57,6 +59,7 @@ class Block:
         task: the rows; m of them.
         unit: unit of the singular values.
         rank: how many are above 1e-9 of the largest, on the length-scaled matrix. (...).
+        usual_rank: the rank at almost every configuration.
         singular_values: s, (..., k).
         yoshikawa: w = s_1 ... s_k, which is sqrt(det J J^T) where m <= n. (...).
         minimum_singular_value: s_k, (...).
@@ -71,6 +74,7 @@ class Block:
     task: Task
     unit: str
     rank: Array
+    usual_rank: int
     singular_values: Array
     yoshikawa: Array
     minimum_singular_value: Array
@@ -222,7 +226,16 @@ def manipulability(
         along = along * weighing.factors[..., None, :, None] + _diagonal(matrix, weighing)
         matrix = matrix * weighing.factors[..., None, :]
         warnings += [f"joint {quote(name)} is at or beyond a limit: its weight is 0" for name in weighing.outside]
-    blocks = {task.name: _block(task, matrix, along, turning, size, weighing) for task in tasks}
+    usual = _usual_ranks(model, velocity, columns, tasks)
+    blocks = {
+        task.name: _block(task, matrix, along, turning, size, weighing, rank)
+        for task, rank in zip(tasks, usual, strict=True)
+    }
+    if weighing is None and np.any(blocks["full"].rank < blocks["full"].usual_rank):
+        warnings.append(
+            f"singular: rank {int(np.min(blocks['full'].rank))}, {blocks['full'].usual_rank} at almost every "
+            "configuration ('kinetostat singular at' says why)"
+        )
     mixed = [name for name, block in blocks.items() if block.unit == "mixed"]
     if mixed and (axes is None or "task" in mixed):
         warnings.append(
@@ -315,6 +328,23 @@ def _unit(task: Task, turning: Sequence[bool], length: Array | None, weights: Jo
 _FORCE_UNIT = {"m/rad": "N/Nm", "rad/m": "Nm/N", "m/s": "N/W", "rad/s": "Nm/W", "1/s": "s"}
 
 
+def _usual_ranks(model: Model, velocity: Velocity, columns: Sequence[int], tasks: Sequence[Task]) -> list[int]:
+    """Return the largest rank of each task's rows at a few random configurations: what the structure gives it.
+
+    Limits do not count: there are files that lock every joint at zero by leaving them out.
+    """
+    samples, generator = random_configurations(model.robot, _SEED, _SAMPLES), np.random.default_rng(_SEED)
+    for joint in model.robot.independent:
+        if joint.type.nq == 1:
+            moved = generator.uniform(-np.pi, np.pi, _SAMPLES) if joint.type.is_angle else generator.random(_SAMPLES)
+            samples[:, model.robot.position_slices[joint.name].start] += moved
+    matrix = ScrewEngine(model.robot).jacobian(samples, velocity)[..., columns]
+    return [
+        int(np.max(_rank(np.linalg.svd(rows, compute_uv=False), rows)))
+        for rows in (matrix[..., list(task.rows), :] for task in tasks)
+    ]
+
+
 def _scaled(
     task: Task, matrix: Array, along: Array, turning: Sequence[bool], length: Array | None, *, columns: bool
 ) -> tuple[Array, Array]:
@@ -343,6 +373,7 @@ def _block(
     turning: Sequence[bool],
     length: Array | None,
     weights: JointWeights | None,
+    usual_rank: int,
 ) -> Block:
     """Return the indices of some rows. Shapes (..., 6, n), (..., 6, n, n)."""
     matrix, along = _scaled(task, matrix, along, turning, length, columns=weights is None or not weights.speeds)
@@ -372,6 +403,7 @@ def _block(
         task,
         unit,
         _rank(values, matrix),
+        usual_rank,
         values,
         volume,
         values[..., -1],
@@ -384,7 +416,7 @@ def _block(
     )
 
 
-def _rank(values: Array, matrix: Array) -> Array:
+def _rank(values: Any, matrix: Array) -> Array:
     """Return the rank, which no choice of units changes: of the matrix with rows, then columns, of length one."""
     balanced = matrix
     for axis in (-1, -2):

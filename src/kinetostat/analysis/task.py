@@ -14,7 +14,7 @@ from kinetostat.urdf.description import Joint, JointType
 
 __all__ = ["FULL", "ROTATION", "TRANSLATION", "Task", "characteristic_length", "length_scaled"]
 
-_WORD = re.compile(r"r?[xyz]+")
+_WORD = re.compile(r"[rvw]?[xyz]+")
 
 
 @dataclass(frozen=True)
@@ -31,21 +31,22 @@ class Task:
 
     @classmethod
     def named(cls, axes: str | Sequence[str]) -> Task:
-        """Return the task of some axes: `xyz`, `x y rz`, `xyz,rx`; a word of x, y, z for translations, r... for turns.
+        """Return the task of some axes: `xyz`, `x y rz`, `xyz,rx`, `vx wz`; r... or w... are turns.
 
         Raises:
             UsageError: a word is none of that, or none is given.
         """
-        words = (
-            str(axes).replace(",", " ").split() if isinstance(axes, (str, int, float)) else [str(word) for word in axes]
-        )
-        wrong = next((word for word in words if not _WORD.fullmatch(word)), None)
+        text = " ".join(map(str, axes)) if isinstance(axes, (list, tuple)) else str(axes)
+        words = text.replace(",", " ").split()
+        wrong = next((word for word in words if "".join(_WORD.findall(word)) != word), None)
         if wrong is not None or not words:
             raise UsageError(
                 "a task needs axes" if wrong is None else f"there is no axis {quote(wrong)}",
                 remedy="x, y, z translate, rx, ry, rz turn: for instance x,y,rz for a planar arm, xyz for a point",
             )
-        rows = {"xyz".index(letter) + 3 * word.startswith("r") for word in words for letter in word.removeprefix("r")}
+        rows = set[int]()
+        for word in _WORD.findall(text):
+            rows |= {"xyz".index(letter) + 3 * (word[0] in "rw") for letter in word.lstrip("rvw")}
         return cls("task", tuple(sorted(rows)))
 
     @property

@@ -93,11 +93,11 @@ def _transmission_table(line: Transmission) -> Table:
 
 def _rank_notes(result: Manipulability) -> list[str]:
     """Return what a newcomer should know of indices that are 0 because some row cannot move."""
-    names = [name for name in ("translation", "rotation") if 0 < int(result.blocks[name].rank) < 3]
+    names = [name for name in ("translation", "rotation") if 0 < result.blocks[name].usual_rank < 3]
     count = len(result.columns)
-    lame = [f"{name} has rank {int(result.blocks[name].rank)} of 3" for name in names if count >= 3]
+    lame = [f"{name} has rank {result.blocks[name].usual_rank} of 3" for name in names if count >= 3]
     return (
-        [f"{' and '.join(lame)} here: --axes chooses the rows that count"]
+        [f"{' and '.join(lame)} at most: --axes chooses the rows that count"]
         if lame and "task" not in result.blocks
         else []
     )
@@ -176,6 +176,7 @@ def _block(block: Block) -> dict[str, Any]:
         "rows": list(block.task.row_names),
         "task_dimension": block.task_dimension,
         "rank": int(block.rank),
+        "usual_rank": block.usual_rank,
         "singular_values": nested(block.singular_values),
         "unit": block.unit,
         **{key: float(getattr(block, key)) + 0.0 for _, key in _INDICES},

@@ -26,7 +26,9 @@ __all__ = ["condition_words", "singular_at_result", "singular_at_view", "singula
 # --- in words --------------------------------------------------------------------------------------------------
 
 
-def condition_words(arm: Mechanism, positions: Mapping[str, float], support: Sequence[str], *, degrees: bool) -> str:
+def condition_words(
+    arm: Mechanism, positions: Mapping[str, float], support: Sequence[str], codimension: int, *, degrees: bool
+) -> str:
     """Return a condition in the file's own angles: `joint3 = 0`, and what else a surface is about."""
     held = [f"{_name(joint)} = {_position(arm, joint, value, degrees)}" for joint, value in positions.items()]
     others = [_name(joint) for joint in support if joint not in positions]
@@ -34,7 +36,9 @@ def condition_words(arm: Mechanism, positions: Mapping[str, float], support: Seq
     if not others:
         return words
     listed = others[0] if len(others) == 1 else f"{', '.join(others[:-1])} and {others[-1]}"
-    return f"{words}, with a relation of {listed}" if held else f"a relation of {listed}"
+    count = codimension - len(held)
+    relation = f"a relation of {listed}" if count < 2 else f"{count} relations of {listed}"
+    return f"{words}, with {relation}" if held else relation
 
 
 def _position(arm: Mechanism, joint: str, value: float, degrees: bool) -> str:
@@ -80,7 +84,7 @@ def singular_at_view(result: SingularAt, at: Configuration, *, degrees: bool) ->
             *_why(result, degrees),
             *_lost(result),
             *_inside(result),
-            *_nearest(arm, result.distance, degrees),
+            *_nearest(arm, result.distance, result.q, degrees),
         ),
         (configuration_note(at, degrees),),
         flat=_flat_at(result),
@@ -89,7 +93,9 @@ def singular_at_view(result: SingularAt, at: Configuration, *, degrees: bool) ->
 
 def _verdict(result: SingularAt) -> str:
     if not result.singular:
-        return "not singular"
+        away = result.distance.distance
+        near = away is not None and away < _NEAR
+        return f"not singular, but {_angle(away, False)} from it" if near and away is not None else "not singular"
     name = f" ({result.name})" if result.name else ""
     return f"singular{name}: {result.kind}"
 
@@ -98,7 +104,10 @@ def _facts(result: SingularAt) -> Table:
     arm = result.mechanism
     rows: list[tuple[Cell, ...]] = [
         ("rank", f"{result.rank} here, {arm.generic_rank} at almost every configuration"),
-        ("singular values", f"{_values(result.singular_values)} (lengths in units of {arm.length:.4g} m)"),
+        (
+            "singular values",
+            f"{_values(result.singular_values)} (lengths in units of {arm.length:.4g} m{_taken_at(arm)})",
+        ),
     ]
     if result.tolerance is not None:
         met = "zero in exact numbers (below 1e-9)" if result.tolerance == "strict" else _ROUNDED
@@ -108,6 +117,8 @@ def _facts(result: SingularAt) -> Table:
     return Table(("", ""), tuple(rows), words=True)
 
 
+_NEAR = 0.01  # rad
+_FAR = 1.0  # rad: beyond, a first-order estimate tells nothing
 _ROUNDED = "zero but for rounding (below 1e-5): a model or an angle with few digits"
 _KINDS = {
     "fold": "seen from one side; two branches of inverse kinematics meet",
@@ -117,10 +128,19 @@ _KINDS = {
 }
 
 
+def _taken_at(arm: Mechanism) -> str:
+    """Return at which point, if it is not the tool point: ranks are the same at any, where all rows count."""
+    point = np.round(arm.velocity.point or arm.point, 9) + 0.0
+    if np.allclose(point, arm.point, atol=1e-9):
+        return ""
+    return f", at the point ({', '.join(f'{c:.4g}' for c in point)}) of {_name(arm.velocity.of)}, amid the axes"
+
+
 def _why(result: SingularAt, degrees: bool) -> list[Table]:
     arm, rows = result.mechanism, list[tuple[Cell, ...]]()
     for condition in result.conditions:
-        words = condition_words(arm, condition.positions, tuple(condition.positions), degrees=degrees)
+        count = len(condition.positions)
+        words = condition_words(arm, condition.positions, tuple(condition.positions), count, degrees=degrees)
         name = f" ({condition.name})" if condition.name else ""
         rows.append((f"{words}, whatever the other joints do{name}",))
     rows += [(cause.text,) for cause in result.causes]
@@ -156,19 +176,21 @@ def _inside(result: SingularAt) -> list[Table]:
     return [Table(header, tuple(rows), title=shown, words=True)]
 
 
-def _nearest(arm: Mechanism, found: Nearest, degrees: bool) -> list[Table]:
+def _nearest(arm: Mechanism, found: Nearest, start: Any, degrees: bool) -> list[Table]:
     if found.distance == 0.0:
         return []
-    estimate = "none" if math.isinf(found.first_order) else f"{_angle(found.first_order, degrees)}"
+    estimate = _angle(found.first_order, degrees) if found.first_order < _FAR else "none (too far for one)"
     rows: list[tuple[Cell, ...]] = [("first-order estimate", estimate)]
     if found.distance is None or found.q is None:
         rows.append(("nearest found", "none"))
     else:
         where = "inside limits" if found.inside_limits else "outside limits"
-        rows.append(("nearest found", f"{_angle(found.distance, degrees)}, {where}: {_moves(arm, found.q, degrees)}"))
+        rows.append(
+            ("nearest found", f"{_angle(found.distance, degrees)}, {where}: {_moves(arm, found.q, start, degrees)}")
+        )
     if found.inside is not None:
         away, q = found.inside
-        rows.append(("nearest inside limits", f"{_angle(away, degrees)}: {_moves(arm, q, degrees)}"))
+        rows.append(("nearest inside limits", f"{_angle(away, degrees)}: {_moves(arm, q, start, degrees)}"))
     slides = "" if all(arm.turning) else f", slides in units of {arm.length:.4g} m"
     return [Table(("distance", f"in joint space{slides}"), tuple(rows), words=True)]
 
@@ -177,11 +199,14 @@ def _angle(value: float, degrees: bool) -> str:
     return f"{math.degrees(value):.5g} deg" if degrees else f"{value:.5g} rad"
 
 
-def _moves(arm: Mechanism, q: Any, degrees: bool) -> str:
-    return ", ".join(
-        f"{_name(joint)} {_position(arm, joint, float(value), degrees)}"
-        for joint, value in zip(arm.names, q, strict=True)
-    )
+def _moves(arm: Mechanism, q: Any, start: Any, degrees: bool) -> str:
+    """Return the joints that move, from where to where."""
+    moved = []
+    for joint, value, before in zip(arm.names, q, start, strict=True):
+        if value != before:
+            old, new = (_position(arm, joint, float(x), degrees) for x in (before, value))
+            moved.append(f"{_name(joint)} {old} -> {new}")
+    return ", ".join(moved)
 
 
 def _flat_at(result: SingularAt) -> Table:
@@ -220,20 +245,18 @@ def _flat_at(result: SingularAt) -> Table:
 def singular_find_view(result: SingularFamilies, *, degrees: bool) -> View:
     """Return the view: the families inside limits, those outside, and how complete the list is."""
     arm = result.mechanism
-    inside = [family for family in result.families if family.inside_limits]
-    outside = [family for family in result.families if not family.inside_limits]
+    numbered = list(enumerate(result.families, start=1))
     tables = [
         Table(
-            ("name", "codim", "kind", "hits", "condition"),
-            tuple(_family_row(arm, family, degrees) for family in families),
+            ("", "name", "codim", "kind", "hits", "condition"),
+            tuple((str(i), *_family_row(arm, f, degrees)) for i, f in numbered if f.inside_limits is inside),
             title=title,
             words=True,
         )
-        for title, families in (("inside joint limits", inside), ("outside joint limits", outside))
-        if families
+        for title, inside in (("inside joint limits", True), ("outside joint limits", False))
+        if any(f.inside_limits is inside for _, f in numbered)
     ]
-    told = [*inside, *outside]
-    tables += [_why_families(arm, told, degrees)] if any(family.causes for family in told) else []
+    tables += [_why_families(result.families)] if any(family.causes for family in result.families) else []
     where = f"of {_place(arm)}"
     count = len(result.families)
     families = "no singular configurations" if not count else "one family" if count == 1 else f"{count} families"
@@ -242,45 +265,50 @@ def singular_find_view(result: SingularFamilies, *, degrees: bool) -> View:
 
 
 def _family_row(arm: Mechanism, family: Family, degrees: bool) -> tuple[Cell, ...]:
-    words = condition_words(arm, family.positions, family.support, degrees=degrees)
+    words = condition_words(arm, family.positions, family.support, family.codimension, degrees=degrees)
     rounded = " (rounded)" if family.tolerance == "model" else ""
     kind = "mixed" if " or " in family.kind else family.kind
     return family.name or "-", str(family.codimension), kind, str(family.hits), words + rounded
 
 
-def _why_families(arm: Mechanism, families: Sequence[Family], degrees: bool) -> Table:
-    """Return the causes at the witnesses, families with the same ones together."""
-    rows = dict[str, None]()
-    for family in families:
-        for cause in family.causes[:2]:
-            rows.setdefault(
-                f"{family.name or condition_words(arm, family.positions, family.support, degrees=degrees)}: "
-                f"{cause.text}"
-            )
-    return Table(("why",), tuple((row,) for row in rows), words=True)
+def _why_families(families: Sequence[Family]) -> Table:
+    """Return the causes at the witnesses, each with the numbers of the families that have it."""
+    numbers: dict[str, list[str]] = {}
+    for i, family in enumerate(families, start=1):
+        for cause in family.causes[:3]:
+            numbers.setdefault(cause.text, []).append(str(i))
+    rows = tuple((f"{', '.join(which)}: {text}",) for text, which in numbers.items())
+    return Table(("why, at their witnesses",), rows, words=True)
 
 
 def _coverage(result: SingularFamilies) -> tuple[str, ...]:
     coverage, arm = result.coverage, result.mechanism
+    lost = f"; {result.unclassified} of them close to where families meet, in none" if result.unclassified else ""
     notes = [
-        f"{result.converged} of {result.starts} searches ended in a singular configuration"
-        + (f", {result.unclassified} of them in no family" if result.unclassified else "")
+        f"{result.converged} of {result.starts} searches ended in a singular configuration{lost} (hits: how many ended "
+        "on a family; codim: how many equations its condition is)"
     ]
     missing = ", ".join(_name(name) for name in coverage.incomplete)
     but = f", but not of {missing}" if missing else ""
-    slides = "" if all(arm.periodic) else "; where turns do not repeat, in the range and as far again on both sides"
+    slides = "" if all(arm.periodic) else "; of slides and screws, inside their range and one range beyond"
+    found = (
+        "conditions on one joint alone are complete"
+        if any(f.complete for f in result.families)
+        else ("no joint alone makes it singular: that is complete")
+    )
     if coverage.complete:
-        notes.append(f"conditions on one joint alone are complete (common roots of polynomials{slides}){but}")
+        notes.append(f"{found} (common roots of polynomials{slides}){but}")
     if coverage.unseen is not None:
-        notes.append(f"all others are statistical: {_chance(coverage, result.converged)}")
+        notes.append(f"all others are statistical: {_chance(coverage, result)}")
     return tuple(notes)
 
 
-def _chance(coverage: Coverage, converged: int) -> str:
+def _chance(coverage: Coverage, result: SingularFamilies) -> str:
     """Return what the hits say of families that no search has ended on."""
     if coverage.seen_once:
         return f"a further search would end on an unseen family with a chance of {coverage.unseen:.2g} (Good-Turing)"
-    return f"no family was seen only once, so unseen ones have a share below {3 / converged:.1g} (95 %)"
+    share = (3 + result.unclassified) / result.converged
+    return f"no family was seen only once, so unseen ones have a share below {min(share, 1.0):.1g} (95 %)"
 
 
 def _flat_find(result: SingularFamilies, degrees: bool) -> Table:
@@ -288,7 +316,7 @@ def _flat_find(result: SingularFamilies, degrees: bool) -> Table:
     arm = result.mechanism
     rows: list[tuple[Cell, ...]] = [
         (
-            condition_words(arm, family.positions, family.support, degrees=degrees),
+            condition_words(arm, family.positions, family.support, family.codimension, degrees=degrees),
             family.name or "",
             family.kind,
             str(family.codimension),
@@ -333,7 +361,8 @@ def _mechanism(arm: Mechanism) -> dict[str, Any]:
     return {
         "frame": arm.velocity.of,
         "relative_to": arm.velocity.relative_to,
-        "point": list(arm.velocity.point or (0.0, 0.0, 0.0)),
+        "point": list(arm.point),
+        "reference_point": list(arm.velocity.point or arm.point),
         "rows": list(arm.task.row_names),
         "columns": list(arm.names),
         "characteristic_length": arm.length,
@@ -394,7 +423,7 @@ def singular_find_result(result: SingularFamilies) -> dict[str, Any]:
 
 def _family(arm: Mechanism, family: Family) -> dict[str, Any]:
     return {
-        "condition": condition_words(arm, family.positions, family.support, degrees=False),
+        "condition": condition_words(arm, family.positions, family.support, family.codimension, degrees=False),
         "positions": family.positions,
         "support": list(family.support),
         "implicit": family.implicit,

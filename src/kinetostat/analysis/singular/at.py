@@ -10,7 +10,7 @@ import numpy as np
 from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.singular.complete import single_joint_families
-from kinetostat.analysis.singular.families import codimension_at, held_sets
+from kinetostat.analysis.singular.families import Group, codimension_at, group_of, held_sets
 from kinetostat.analysis.singular.geometry import Cause, geometry
 from kinetostat.analysis.singular.kind import kind
 from kinetostat.analysis.singular.losses import (
@@ -23,14 +23,16 @@ from kinetostat.analysis.singular.losses import (
 )
 from kinetostat.analysis.singular.mechanism import MODEL, STRICT, Mechanism, mechanism
 from kinetostat.analysis.singular.nearest import Nearest, nearest
+from kinetostat.analysis.singular.search import converge
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
 from kinetostat.errors import ConfigurationError
 
-__all__ = ["Condition", "SingularAt", "certified_values", "singular_at"]
+__all__ = ["Condition", "SingularAt", "certified_values", "remarks", "singular_at"]
 
 _SEED = 4
+_FEW_DIGITS = 1e-3  # rad or L: how far off a configuration typed with few digits may be
 
 
 @dataclass(frozen=True)
@@ -115,10 +117,11 @@ def singular_at(
     whole = checked(model.robot, q)
     if whole.ndim != 1:
         raise ConfigurationError("one configuration is asked about", remedy="ask about each")
-    here = whole[list(arm.indices)]
+    given = whole[list(arm.indices)]
     values, certificate = certified_values(arm, whole)
     rank = int(np.sum(values > MODEL))
     singular = rank < arm.generic_rank
+    here = _settled(arm, given) if singular else given
     motions = motion_space(arm, here, rank)
     space = lost_space(arm, here, rank) if singular else np.zeros((len(arm.task.rows), 0))
     found = self_motions(arm, here, motions, space)
@@ -126,22 +129,22 @@ def singular_at(
     if not singular:
         distance = nearest(arm, here, singles)
         return SingularAt(
-            arm, here, values, rank, False, None, (), found, None, (), (), None, distance, certificate, _remarks(arm)
+            arm, given, values, rank, False, None, (), found, None, (), (), None, distance, certificate, remarks(arm)
         )
     tolerance = "strict" if values[rank] <= STRICT else "model"
     lost = lost_wrenches(arm, here, space)
     shape = geometry(arm)
     held = _conditions(arm, here)
-    names = [shape.name(indices, here, lost, motions) for indices in held]
+    names = [shape.name(group.held, here, lost, motions) for group in held]
     if len(lost) != 1 or not held:  # what the conditions do not tell
         names.append(shape.name((), here, lost, motions))
     conditions = tuple(
-        Condition({arm.names[i]: float(here[i]) for i in indices}, name)
-        for indices, name in zip(held, names, strict=False)
+        Condition(dict(zip((arm.names[i] for i in group.held), group.positions, strict=True)), name)
+        for group, name in zip(held, names, strict=False)
     )
     return SingularAt(
         arm,
-        here,
+        given,
         values,
         rank,
         True,
@@ -152,9 +155,9 @@ def singular_at(
         shape.causes(here, lost, motions),
         conditions,
         _joined(names),
-        Nearest(0.0, 0.0, here, arm.within(here)),
+        Nearest(0.0, 0.0, given, arm.within(given)),
         certificate,
-        _remarks(arm),
+        remarks(arm),
     )
 
 
@@ -179,14 +182,22 @@ def _columns(arm: Mechanism, joint: str) -> range:
     return range(where.start, where.stop)
 
 
-def _conditions(arm: Mechanism, q: Array) -> list[tuple[int, ...]]:
-    """Return the smallest sets of one or two joints that keep the arm singular by themselves."""
+def _settled(arm: Mechanism, q: Array) -> Array:
+    """Return the exactly singular configuration next to one that was given with few digits; else the same again."""
+    found, smallest = converge(arm, q[None])
+    close = smallest[0] < STRICT and float(np.max(np.abs(arm.difference(found[0], q)))) < _FEW_DIGITS
+    return found[0] if close else q
+
+
+def _conditions(arm: Mechanism, q: Array) -> list[Group]:
+    """Return the smallest sets of one or two joints, with their positions, that keep the arm singular by themselves."""
     generator = np.random.default_rng(_SEED)
     singles = held_sets(arm, q[None], 1, generator, MODEL)[0]
     pairs = held_sets(arm, q[None], 2, generator, MODEL)[0]
     alone = [pair for pair in pairs if not any(single[0] in pair for single in singles)]
     # A point of a curve in two joints keeps the arm singular, too, but that is a relation and no position.
-    return singles + (alone if codimension_at(arm, q) > 1 else [])
+    sets = singles + (alone if codimension_at(arm, q) > 1 else [])
+    return [group_of(arm, held, q[list(held)], generator) for held in sets]
 
 
 def _joined(names: Sequence[str | None]) -> str | None:
@@ -195,11 +206,14 @@ def _joined(names: Sequence[str | None]) -> str | None:
     return " and ".join(word for word in ("shoulder", "elbow", "wrist") if word in words) or None
 
 
-def _remarks(arm: Mechanism) -> tuple[str, ...]:
-    missing = len(arm.task.rows) - arm.generic_rank
-    if missing == 0 or arm.task.name != "full":
-        return ()
-    return (
-        f"the structure has rank {arm.generic_rank} of 6 at almost every configuration; that is no singularity "
-        "(--axes chooses the rows that count)",
-    )
+def remarks(arm: Mechanism) -> tuple[str, ...]:
+    """Return what is to be said of an arm whatever its configuration."""
+    said = []
+    if arm.generic_rank < len(arm.task.rows) and arm.task.name == "full":
+        said.append(
+            f"the structure has rank {arm.generic_rank} of 6 at almost every configuration; that is no singularity "
+            "(--axes chooses the rows that count)"
+        )
+    if arm.rounded:
+        said.append("the file rounds angles (such as 1.5708 for pi/2): what is below 1e-5 is judged to be zero")
+    return tuple(said)

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinetostat.analysis.configuration import neutral
 from kinetostat.analysis.crosscheck import Certificate
-from kinetostat.analysis.singular.at import certified_values
+from kinetostat.analysis.singular.at import certified_values, remarks
 from kinetostat.analysis.singular.complete import SingleJoint, single_joint_families
 from kinetostat.analysis.singular.families import Group, group_of, grouped
 from kinetostat.analysis.singular.geometry import Cause, Geometry, geometry
@@ -102,6 +102,7 @@ class SingularFamilies:
         unclassified: how many of those belong to no family.
         coverage: what is complete, and what is statistical.
         certificate: what the two engines say of all witnesses.
+        warnings: what is to be said of the arm.
     """
 
     mechanism: Mechanism
@@ -111,6 +112,7 @@ class SingularFamilies:
     unclassified: int
     coverage: Coverage
     certificate: Certificate
+    warnings: tuple[str, ...] = ()
 
 
 def singular_find(
@@ -175,7 +177,9 @@ def singular_find(
     certain = [replace(family, singular_values=value) for family, value in zip(families, values, strict=True)]
     coverage = _coverage(arm, singles, groups, len(singular))
     tell("families", 1.0)
-    return SingularFamilies(arm, tuple(certain), starts, len(singular), len(unclassified), coverage, certificate)
+    return SingularFamilies(
+        arm, tuple(certain), starts, len(singular), len(unclassified), coverage, certificate, remarks(arm)
+    )
 
 
 def _reading_order(arm: Mechanism, family: Family) -> tuple[object, ...]:

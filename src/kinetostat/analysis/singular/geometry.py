@@ -92,11 +92,12 @@ class Geometry:
             about = [axes[i] for i in chosen]
             words = self._words(about, matrix[:, list(chosen)])
             causes.append(Cause(words, tuple(axis.joint for axis in about)))
+        redundant = len(mechanism.names) > mechanism.generic_rank  # one dependence more is no loss yet
         involved = [i for i, row in enumerate(motions) if float(np.max(np.abs(row))) > 1e-6]
         for wrench in lost:
             told = self._line(wrench, axes, involved)
             said = told is None or any(set(told.joints) == set(cause.joints) for cause in causes)
-            if told is not None and not said and (not causes or told.at_centre):
+            if told is not None and not said and (not causes or told.at_centre or redundant):
                 causes.append(told)
         return tuple(causes)
 
@@ -112,9 +113,10 @@ class Geometry:
         return not any(set(smaller) <= set(chosen) for smaller in self._always_dependent)
 
     def _line(self, wrench: LostWrench, axes: Sequence[Axis], involved: Sequence[int]) -> Cause | None:
-        """Return the cause that is a line meeting every axis: the line of a lost force."""
+        """Return the cause that is a line meeting every axis: the line of a lost force; or another screw."""
         if wrench.point is None or wrench.pitch != 0:
-            return None
+            what = "a couple" if wrench.point is None else "one screw"
+            return Cause(f"{what} is reciprocal to all joints", tuple(axis.joint for axis in axes))
         length = self.mechanism.length
         turns = [axes[i] for i in involved if axes[i].point is not None]
         along = [axis for axis in turns if parallel([axis, Axis("", wrench.axis, None)])]

@@ -106,10 +106,11 @@ def lost_wrenches(mechanism: Mechanism, q: Array, basis: Array) -> tuple[LostWre
     rows[3:] += np.cross(arm, rows[:3].T).T
     size = mechanism.length + float(np.linalg.norm(arm))
     in_size = np.repeat([1.0, size], 3)  # forces and moments of one size, as long as they are compared
-    return tuple(_lost_wrench(mechanism, row * in_size, tool, size) for row in _plain_basis(rows.T / in_size))
+    noise = max(_PURE, 10 * mechanism.tolerance if mechanism.rounded else 0.0)
+    return tuple(_lost_wrench(mechanism, row * in_size, tool, size, noise) for row in _plain_basis(rows.T / in_size))
 
 
-def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array, reach: float) -> LostWrench:
+def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array, reach: float, noise: float) -> LostWrench:
     """Return a wrench with its screw and its meaning; `reach` is the size of moments for unit forces, in m."""
     force, moment = wrench[:3], wrench[3:]
     size = float(np.linalg.norm(force)) * reach
@@ -122,17 +123,20 @@ def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array, reach: float)
     wrench = _signed(wrench / np.linalg.norm(force))
     force, moment = wrench[:3], wrench[3:]
     pitch, arm = float(force @ moment), np.cross(force, moment)
-    pitch = pitch if abs(pitch) > _PURE * mechanism.length else 0.0
+    pitch = pitch if abs(pitch) > noise * mechanism.length else 0.0
     through = float(np.linalg.norm(arm)) <= _PURE * mechanism.length
     point = tool if through else tool + arm
     along = _direction(mechanism, force)
-    place = f"the line through ({', '.join(f'{c:.4g}' for c in point + 0.0)}) along {along}"
+    at = f"({', '.join(f'{c:.4g}' for c in np.where(np.abs(point) < _PURE * reach, 0.0, point))})"
     if pitch:
-        words = f"{_tool(mechanism)} cannot move on the screw of pitch {pitch:.4g} m/rad about {place}"
+        words = (
+            f"{_tool(mechanism)} moves along the line through {at} along {along} only as it turns about it: "
+            f"v = {-pitch:.4g} m/rad w"
+        )
     elif through:
         words = f"{_tool(mechanism)} cannot move along {along}; it resists any force along this line"
     else:
-        words = f"{_tool(mechanism)} cannot move along {place}; it resists any force on this line"
+        words = f"the point {at} of {_tool(mechanism)} cannot move along {along}; it resists any force on this line"
     return LostWrench(wrench, force, point, pitch, words)
 
 

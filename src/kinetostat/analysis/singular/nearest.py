@@ -18,6 +18,7 @@ __all__ = ["Nearest", "nearest"]
 _STARTS = 96
 _REFINED = 24  # of the singular configurations found, the nearest of which are drawn closer
 _SEED = 3
+_DUST = 1e-7  # rad or L
 
 
 @dataclass(frozen=True)
@@ -65,12 +66,19 @@ def nearest(mechanism: Mechanism, q: Array, known: tuple[tuple[int, float], ...]
         closer.append(exact)
     if not closer:
         return Nearest(first_order, None, None, None)
-    best, *others = sorted(closer, key=lambda x: _away(mechanism, x, q))
+    best, *others = sorted((_undusted(mechanism, x, q) for x in closer), key=lambda x: _away(mechanism, x, q))
     if mechanism.within(best):
         return Nearest(first_order, _away(mechanism, best, q), best, True)
     reachable = next((x for x in others if mechanism.within(x)), None)
     inside = None if reachable is None else (_away(mechanism, reachable, q), reachable)
     return Nearest(first_order, _away(mechanism, best, q), best, False, inside)
+
+
+def _undusted(mechanism: Mechanism, x: Array, q: Array) -> Array:
+    """Return a singular configuration with what differs from q, or from zero, by rounding alone set to that."""
+    clean = np.where(np.abs(x - q) < _DUST * mechanism.units, q, x)
+    clean = np.where(np.abs(clean) < _DUST * mechanism.units, 0.0, clean)
+    return clean if float(mechanism.smallest(clean)) < STRICT else x
 
 
 def _spread_out(mechanism: Mechanism, candidates: list[Array]) -> list[Array]:

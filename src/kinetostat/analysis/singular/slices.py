@@ -164,7 +164,8 @@ def _telling(result: SingularFamilies) -> tuple[int, int]:
     for family in result.families:
         for name in family.support:
             weight[arm.names.index(name)] += 100 if family.inside_limits else 1
-    first, second = sorted(weight, key=lambda i: (-weight[i], i))[:2]
+    # Of joints that no condition is about, the first is the last to show: it turns the arm as a whole.
+    first, second = sorted(weight, key=lambda i: (-weight[i], i == 0, i))[:2]
     return min(first, second), max(first, second)
 
 
@@ -181,8 +182,12 @@ def _label(arm: Mechanism, positions: Mapping[str, float], degrees: bool) -> str
     words = []
     for name, value in positions.items():
         turns = arm.turning[arm.names.index(name)]
-        shown = math.degrees(value) if turns and degrees else value
-        words.append(f"{printable(name)} = {shown:.4g}{' deg' if turns and degrees else '' if turns else ' m'}")
+        quarters = round(value / (math.pi / 2))
+        if turns and not degrees and 0 < abs(quarters) <= 2 and abs(value - quarters * math.pi / 2) < 1e-9:
+            shown = {1: "pi/2", 2: "pi", -1: "-pi/2", -2: "-pi"}[quarters]
+        else:
+            shown = f"{math.degrees(value) if turns and degrees else value:.4g}"
+        words.append(f"{printable(name)} = {shown}{' deg' if turns and degrees else '' if turns else ' m'}")
     return ", ".join(words)
 
 
@@ -227,9 +232,12 @@ def workspace(result: SingularFamilies, *, degrees: bool = False, points: int = 
             continue
         held = {arm.names.index(name): value for name, value in family.positions.items()}
         label = _label(arm, family.positions, degrees)
-        unlimited.append(Curve(label, _swept(arm, held, arm.spans, plane, points), "singular"))
-        if family.inside_limits:
-            inside.append(Curve(label, _swept(arm, held, arm.limits, plane, points), "singular"))
+        whole = _swept(arm, held, arm.spans, plane, points)
+        within = _swept(arm, held, arm.limits, plane, points) if family.inside_limits else None
+        if within is not None:
+            inside.append(Curve(label, within, "singular"))
+        if within is None or not np.allclose(np.ptp(within, axis=0), np.ptp(whole, axis=0)):
+            unlimited.append(Curve(label, whole, "singular"))
     return Workspace(
         names,
         arm.velocity.relative_to,

@@ -37,7 +37,7 @@ def test_public_functions_say_what_they_raise(name):
         assert parameter in doc, f"{name} does not mention {parameter}"
 
 
-@pytest.mark.parametrize("name", ["jacobian", "adjoint", "fk"])
+@pytest.mark.parametrize("name", ["jacobian", "adjoint", "fk", "manipulability"])
 def test_mathematical_functions_say_equation_shapes_and_source(name):
     doc = inspect.getdoc(getattr(kinetostat, name))
     assert "(..., " in doc

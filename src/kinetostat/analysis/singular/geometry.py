@@ -13,10 +13,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 
+from kinetostat.analysis.singular.dependence import (
+    compared_columns,
+    dependence_words,
+    dependent_sets,
+    flats,
+    listed,
+    of_axes,
+)
 from kinetostat.analysis.singular.lines import (
     TOUCHING,
     Axis,
@@ -29,12 +36,8 @@ from kinetostat.analysis.singular.lines import (
 from kinetostat.analysis.singular.losses import LostWrench
 from kinetostat.analysis.singular.mechanism import Mechanism
 from kinetostat.conventions import Array
-from kinetostat.errors import quote
 
 __all__ = ["Cause", "Geometry", "geometry"]
-
-_LARGEST = 4  # joints in a set that is looked for; larger ones are told by the line that meets them all
-_MOST_JOINTS = 16  # of a chain whose sets are tried
 
 
 @dataclass(frozen=True)
@@ -77,7 +80,7 @@ class Geometry:
     @cached_property
     def _always_dependent(self) -> frozenset[tuple[int, ...]]:
         samples = self.mechanism.draw(np.random.default_rng(1), (4,))
-        found = [set(_dependent_sets(self.mechanism, q)) for q in samples]
+        found = [set(dependent_sets(self.mechanism, q)) for q in samples]
         return frozenset(set.intersection(*found))
 
     def causes(self, q: Array, lost: Sequence[LostWrench], motions: Array) -> tuple[Cause, ...]:
@@ -86,11 +89,11 @@ class Geometry:
         axes = axes_at(mechanism, q)
         if axes is None:
             return ()
-        matrix = _columns(mechanism, q)
+        matrix = compared_columns(mechanism, q)
         causes = []
-        for chosen in _flats(matrix, [c for c in _dependent_sets(mechanism, q) if self._special(c)]):
+        for chosen in flats(matrix, [c for c in dependent_sets(mechanism, q) if self._special(c)]):
             about = [axes[i] for i in chosen]
-            words = self._words(about, matrix[:, list(chosen)])
+            words = dependence_words(mechanism, about, matrix[:, list(chosen)])
             causes.append(Cause(words, tuple(axis.joint for axis in about)))
         redundant = len(mechanism.names) > mechanism.generic_rank  # one dependence more is no loss yet
         involved = [i for i, row in enumerate(motions) if float(np.max(np.abs(row))) > 1e-6]
@@ -100,13 +103,6 @@ class Geometry:
             if told is not None and not said and (not causes or told.at_centre or redundant):
                 causes.append(told)
         return tuple(causes)
-
-    def _words(self, axes: Sequence[Axis], columns: Array) -> str:
-        """Return in words why these joints are dependent in what the task is about."""
-        task, length = self.mechanism.task, self.mechanism.length
-        if not task.angular:
-            return _point_words(axes, length)
-        return _screw_words(axes, columns, length) if task.linear else _turn_words(axes, columns)
 
     def _special(self, chosen: tuple[int, ...]) -> bool:
         """Return whether a dependent set is not so at every configuration, in whole or in part."""
@@ -133,8 +129,8 @@ class Geometry:
                 return told
         if len(meets) == len(axes):
             return Cause("one line meets the axes of all joints", tuple(axis.joint for axis in axes))
-        parts = [f"meets the {_of_axes(meets)}"] if meets else []
-        parts += [f"is parallel to the {_of_axes(along)}"] if along else []
+        parts = [f"meets the {of_axes(meets)}"] if meets else []
+        parts += [f"is parallel to the {of_axes(along)}"] if along else []
         return Cause(f"one line {' and '.join(parts)}", tuple(axis.joint for axis in (*meets, *along)))
 
     def _centre(self, axes: Sequence[Axis], wrench: LostWrench) -> tuple[Array | None, str]:
@@ -148,7 +144,7 @@ class Geometry:
         if centre is None or wrench.point is None:
             return None, ""
         away = float(np.linalg.norm(np.cross(centre - wrench.point, wrench.axis)))
-        names = _list([axes[i].joint for i in self.centre])
+        names = listed([axes[i].joint for i in self.centre])
         return (centre if away < TOUCHING * mechanism.length else None), f"the point where the axes of {names} meet"
 
     def name(self, held: Sequence[int], q: Array, lost: Sequence[LostWrench], motions: Array) -> str | None:
@@ -201,12 +197,12 @@ def _at_centre(
     """
     joints = tuple(axis.joint for axis in (*others, *along))
     if not others and on:
-        return Cause(f"{name} lies on the {_of_axes(on)}", tuple(axis.joint for axis in on), at_centre=True)
+        return Cause(f"{name} lies on the {of_axes(on)}", tuple(axis.joint for axis in on), at_centre=True)
     if len(others) == 1 and along:
-        plane = f"the plane through the axis of {_list([others[0].joint])}"
-        return Cause(f"{name} lies in {plane} that is parallel to the {_of_axes(along)}", joints, at_centre=True)
+        plane = f"the plane through the axis of {listed([others[0].joint])}"
+        return Cause(f"{name} lies in {plane} that is parallel to the {of_axes(along)}", joints, at_centre=True)
     if len(others) > 1 and not along and flat:
-        return Cause(f"{name} lies in the plane of the {_of_axes(others)}", joints, at_centre=True)
+        return Cause(f"{name} lies in the plane of the {of_axes(others)}", joints, at_centre=True)
     return None
 
 
@@ -230,113 +226,3 @@ def _run_from_start(samples: Sequence[Sequence[Axis]], order: Sequence[int], mec
             break
         taken = tried
     return tuple(sorted(taken)) if len(taken) > 1 else ()
-
-
-def _dependent_sets(mechanism: Mechanism, q: Array) -> list[tuple[int, ...]]:
-    """Return the smallest sets of up to four joints whose screws (or velocities of the point) are dependent at q."""
-    matrix = _columns(mechanism, q)
-    norms = np.linalg.norm(matrix, axis=0)
-    count = matrix.shape[1]
-    found: list[tuple[int, ...]] = [(i,) for i in range(count) if norms[i] < TOUCHING]
-    if count > _MOST_JOINTS:
-        return found
-    unit = matrix / np.where(norms < TOUCHING, 1.0, norms)
-    largest = min(_LARGEST, mechanism.generic_rank)
-    for size in range(2, largest + 1):
-        sets = [chosen for chosen in combinations(range(count), size) if not any(set(s) <= set(chosen) for s in found)]
-        if sets:
-            stacked = np.stack([unit[:, list(chosen)] for chosen in sets])
-            smallest = np.linalg.svd(stacked, compute_uv=False)[:, size - 1]
-            found += [chosen for chosen, value in zip(sets, smallest, strict=True) if value < TOUCHING]
-    return found
-
-
-def _columns(mechanism: Mechanism, q: Array) -> Array:
-    """Return the columns that dependence is looked for in, as pure numbers.
-
-    Those of the task's rows where only translations or only turns count; else whole screws, which have a geometry.
-    """
-    if not mechanism.task.mixed:
-        return mechanism.jacobian(q)
-    matrix = mechanism.chain.jacobian(q) * mechanism.units
-    matrix[:3] /= mechanism.length
-    return matrix
-
-
-def _flats(matrix: Array, sets: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
-    """Return each set with all other columns that depend on it, once."""
-    found = list[tuple[int, ...]]()
-    for chosen in sets:
-        left, values, _ = np.linalg.svd(matrix[:, list(chosen)], full_matrices=False)
-        span = left[:, values > TOUCHING * max(1.0, float(values[0]))]
-        rest = matrix - span @ (span.T @ matrix)
-        flat = tuple(int(i) for i in np.flatnonzero(np.linalg.norm(rest, axis=0) < 10 * TOUCHING))
-        if flat not in found:
-            found.append(flat)
-    return found
-
-
-def _screw_words(axes: Sequence[Axis], columns: Array, length: float) -> str:
-    """Return in words why the screws of these joints, columns (6, k), are dependent."""
-    names = _list([axis.joint for axis in axes])
-    turns = [axis for axis in axes if axis.point is not None]
-    slides = [axis for axis in axes if axis.point is None]
-    rank = int(np.sum(np.linalg.svd(columns, compute_uv=False) > 10 * TOUCHING))
-    aligned = bool(turns) and parallel(turns)
-    if not slides:
-        if rank == 1:
-            return f"the axes of {names} coincide"
-        meet = meeting_point(turns, length) is not None
-        relation = "are parallel" if aligned else "meet in a point" if meet else ""
-        if rank == 2 and relation:
-            return f"the axes of {names} {relation} and lie in one plane"
-        if relation or in_one_plane(turns, length):
-            return f"the axes of {names} {relation or 'lie in one plane'}"
-    elif not turns:
-        return f"the slides {names} are parallel" + (" to one plane" if rank > 1 else "")
-    elif len(turns) == 2 and len(slides) == 1 and aligned:
-        pair = _list([axis.joint for axis in turns])
-        return f"slide {_list([slides[0].joint])} is perpendicular to the plane of the parallel axes of {pair}"
-    elif len(turns) > 1 and aligned:
-        return (
-            f"the axes of {_list([axis.joint for axis in turns])} are parallel, and {_slides(slides)} to their motion"
-        )
-    return f"the motions of {names} are dependent"
-
-
-def _slides(slides: Sequence[Axis]) -> str:
-    names = _list([axis.joint for axis in slides])
-    return f"slide {names} adds nothing" if len(slides) == 1 else f"slides {names} add nothing"
-
-
-def _point_words(axes: Sequence[Axis], length: float) -> str:
-    """Return in words why these joints' velocities of the tool point are dependent."""
-    names = _list([axis.joint for axis in axes])
-    if len(axes) == 1:
-        return f"the tool point lies on the axis of {names}"
-    if any(axis.point is None for axis in axes):
-        return f"{names} move the tool point along {'one line' if len(axes) == 2 else 'one plane'}"
-    planes = "lies in the plane of" if in_one_plane(axes, length) else "lies in one plane with each of"
-    return f"the tool point {planes} the axes of {names}"
-
-
-def _turn_words(axes: Sequence[Axis], columns: Array) -> str:
-    """Return in words why the turns of these joints, columns (m, k), are dependent."""
-    names = _list([axis.joint for axis in axes])
-    rank = int(np.sum(np.linalg.svd(columns, compute_uv=False) > 10 * TOUCHING))
-    return f"the axes of {names} are parallel{' to one plane' if rank > 1 else ''}"
-
-
-def _of_axes(axes: Sequence[Axis]) -> str:
-    names = [axis.joint for axis in axes]
-    return f"{_plural('axis', names)} of {_list(names)}"
-
-
-def _plural(word: str, names: Sequence[str]) -> str:
-    return word if len(names) == 1 else word.replace("axis", "axes")
-
-
-def _list(names: Sequence[str]) -> str:
-    """Return names in a sentence: a, b and c."""
-    shown = [quote(name)[1:-1] for name in names]
-    return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"

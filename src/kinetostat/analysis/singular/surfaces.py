@@ -33,6 +33,8 @@ _FEWEST = 4  # and how many at least
 _ROUNDED = 1e-3  # rad or m: positions so close to one that many share are that one, but for rounding
 _SAME = 1e-8  # rad or m: and those that differ by less are one in exact numbers
 _BESIDE = 0.05  # rad or L: how far from a shared position a member of a sliver may be
+_AT_ONCE = 500  # configurations, so that memory does not grow with their number
+_MEASURED = 64  # members of which the codimension is taken
 _DRAWS = 12  # positions of one joint that are tried
 _FEW = 0.1  # share that is too small to be a surface apart
 _TRIED = 6  # members of a small group that are tried
@@ -75,8 +77,12 @@ def surfaces(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> 
 def _supports(mechanism: Mechanism, q: Array, generator: np.random.Generator) -> list[tuple[int, ...]]:
     """Return for each configuration the joints that matter: moved alone, they leave the singular set."""
     others_held = ~np.eye(q.shape[-1], dtype=bool)
-    matters = ~stay(mechanism, q[:, None, :], others_held, _DRAWS, generator, mechanism.tolerance)
-    return [tuple(int(j) for j in np.flatnonzero(row)) for row in matters]
+    supports = []
+    for first in range(0, len(q), _AT_ONCE):
+        some = q[first : first + _AT_ONCE, None, :]
+        matters = ~stay(mechanism, some, others_held, _DRAWS, generator, mechanism.tolerance)
+        supports += [tuple(int(j) for j in np.flatnonzero(row)) for row in matters]
+    return supports
 
 
 def _persists(mechanism: Mechanism, group: Group, generator: np.random.Generator) -> bool:
@@ -144,7 +150,7 @@ def _tangent(mechanism: Mechanism, q: Array) -> Flags:
 def _surface(mechanism: Mechanism, support: tuple[int, ...], fixed: tuple[tuple[int, float], ...], q: Array) -> Group:
     """Return the surface of some configurations; its codimension is that of most of them."""
     held, positions = tuple(j for j, _ in fixed), tuple(c for _, c in fixed)
-    measured = Counter(codimension_at(mechanism, x) for x in q).most_common(1)[0][0]
+    measured = Counter(codimension_at(mechanism, x) for x in q[:_MEASURED]).most_common(1)[0][0]
     codimension = max(measured, len(held) + (len(support) > len(held)))  # gradients may vanish all over a surface
     surface = Group(held, positions, support, codimension, True, q)
     return replace(surface, exact=bool(np.all(np.median(_off(mechanism, surface, q), axis=0) < _SAME)))

@@ -318,3 +318,14 @@ def test_pictures_are_written_whole_or_refused_first(cli, tmp_path):
     unknown = cli("singular", "find", "textbook:stanford", "--plot", str(cut), "--joints", "joint3,joint55")
     assert unknown.code == 2
     assert "did you mean" in unknown.err
+
+
+def test_rows_in_the_tools_axes(cli):
+    asked = ("example:ur5_robot", "-f", "tool0", "--axes", "xyz", "rx", "ry", "--reference", "local")
+    result = cli("singular", "at", *asked, "-q", "0.1,-0.5,0,0.2,1,0.3", "-F", "json").json["result"]
+    assert result["expressed_in"] == "tool0"
+    assert result["rows"] == ["vx", "vy", "vz", "wx", "wy"]
+    assert (result["rank"], result["generic_rank"]) == (4, 5)
+    shown = cli("singular", "find", *asked, "--starts", "50").out
+    assert "rows that count: vx vy vz wx wy in the axes of tool0" in " ".join(shown.split())
+    assert cli("singular", "find", *asked[:-1], "world").code == 2

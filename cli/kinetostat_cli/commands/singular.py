@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kinetostat.conventions import Array
+from kinetostat.conventions import Array, Reference
 from kinetostat_cli import completion
 from kinetostat_cli.console import Answer, configuration, load, progress_bar, triple, write_answer
 from kinetostat_cli.options import (
@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 
 __all__ = ["register"]
 
+_TaskReference = Annotated[
+    Reference, typer.Option(help="aligned: --axes are the observer's. local: the tool frame's, such as a weld's.")
+]
+
 
 @grouped
 def at(
@@ -37,11 +41,12 @@ def at(
     relative_to: RelativeToOption = None,
     point: PointOption = None,
     axes: AxesOption = None,
+    reference: _TaskReference = Reference.ALIGNED,
 ) -> None:
     """Say whether a configuration is singular, and why.
 
-    Also what is lost there, what moves inside, of what kind it is, and how far the nearest singularity is. Rows are in
-    the observer's axes. Without --axes all six count; where three joints or fewer move the point independently, x y z.
+    Also what is lost there, what moves inside, of what kind it is, and how far the nearest singularity is. Without
+    --axes all six rows count; where three joints or fewer move the point independently, x y z.
 
     Example: kinetostat singular at example:ur5_robot -f tool0 -q elbow_joint=0,wrist_2_joint=1
     """
@@ -51,7 +56,15 @@ def at(
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
     q = configuration(model, at)
-    result = kinetostat.singular_at(model, tip, q.q, relative_to=relative_to, point=triple(point, "--point"), axes=axes)
+    result = kinetostat.singular_at(
+        model,
+        tip,
+        q.q,
+        relative_to=relative_to,
+        point=triple(point, "--point"),
+        axes=axes,
+        reference=reference,
+    )
     write_answer(
         Answer(
             "singular at",
@@ -75,6 +88,7 @@ def find(
     relative_to: RelativeToOption = None,
     point: PointOption = None,
     axes: AxesOption = None,
+    reference: _TaskReference = Reference.ALIGNED,
     starts: Annotated[int, typer.Option(metavar="N", help="How many searches are made.")] = 1000,
     seed: Annotated[int, typer.Option(min=0, metavar="N", help="Seed of the random numbers.")] = 0,
     plot: Annotated[
@@ -118,6 +132,7 @@ def find(
             relative_to=relative_to,
             point=triple(point, "--point"),
             axes=axes,
+            reference=reference,
             starts=starts,
             seed=seed,
             progress=progress,

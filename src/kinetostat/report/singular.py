@@ -64,7 +64,8 @@ def _rows(arm: Mechanism) -> str:
 
 def _place(arm: Mechanism) -> str:
     velocity = arm.velocity
-    return f"{_name(velocity.of)} relative to {_name(velocity.relative_to)}; {_rows(arm)}"
+    axes = f" in the axes of {_name(velocity.of)}" if arm.local and len(arm.task.rows) < 6 else ""
+    return f"{_name(velocity.of)} relative to {_name(velocity.relative_to)}; {_rows(arm)}{axes}"
 
 
 def _values(values: Any) -> str:
@@ -363,6 +364,7 @@ def _mechanism(arm: Mechanism) -> dict[str, Any]:
         "relative_to": arm.velocity.relative_to,
         "point": list(arm.point),
         "reference_point": list(arm.velocity.point or arm.point),
+        "expressed_in": arm.velocity.expressed_in,
         "rows": list(arm.task.row_names),
         "columns": list(arm.names),
         "characteristic_length": arm.length,

@@ -117,23 +117,39 @@ class Chain:
         space[..., :3, :] += cross(space[..., 3:, :], placement[..., :3, 3, None])
         return space, placement
 
-    def jacobian(self, q: Array) -> Array:
-        """Return J with (v ; w) = J dq/dt. (..., n) -> (..., 6, n)."""
-        columns: Array = self.columns(q)[0] @ self.fold
-        return columns
+    def jacobian(self, q: Array, *, local: bool = False) -> Array:
+        """Return J with (v ; w) = J dq/dt, in A's axes or in the tool's (local). (..., n) -> (..., 6, n)."""
+        columns, placement = self.columns(q)
+        folded: Array = columns @ self.fold
+        return _turned(placement, folded) if local else folded
 
-    def derivatives(self, q: Array) -> tuple[Array, Array]:
-        """Return J, (..., 6, n), and dJ_i/dq_j, (..., 6, n, n), the last index being j.
+    def derivatives(self, q: Array, *, local: bool = False) -> tuple[Array, Array]:
+        """Return J, (..., 6, n), and dJ_i/dq_j, (..., 6, n, n), the last index being j; in A's axes or the tool's.
 
         The screws before a column turn it; those after it move the point: with j before i, dw_i/dt_j = w_j x w_i and
-        dv_i/dt_j = w_j x v_i; with j after or at i, dw_i/dt_j = 0 and dv_i/dt_j = w_i x v_j.
+        dv_i/dt_j = w_j x v_i; with j after or at i, dw_i/dt_j = 0 and dv_i/dt_j = w_i x v_j. The tool's axes turn with
+        w_j: R^T (dJ_i/dq_j - w_j x J_i).
         """
-        columns, _ = self.columns(q)
+        columns, placement = self.columns(q)
         v, w = np.swapaxes(columns[..., :3, :], -1, -2), np.swapaxes(columns[..., 3:, :], -1, -2)
         turned_w = np.cross(w[..., None, :, :], w[..., :, None, :])  # [i, j] = w_j x w_i
         turned_v = np.cross(w[..., None, :, :], v[..., :, None, :])  # [i, j] = w_j x v_i
         before = np.tril(np.ones((columns.shape[-1],) * 2), -1)[..., None]
         linear = before * turned_v + (1 - before) * np.swapaxes(turned_v, -3, -2)
         by_screw = np.moveaxis(np.concatenate([linear, before * turned_w], -1), -1, -3)
-        folded: Array = np.swapaxes(np.swapaxes(by_screw @ self.fold, -1, -2) @ self.fold, -1, -2)
-        return columns @ self.fold, folded
+        along: Array = np.swapaxes(np.swapaxes(by_screw @ self.fold, -1, -2) @ self.fold, -1, -2)
+        matrix: Array = columns @ self.fold
+        if not local:
+            return matrix, along
+        halves = np.stack([matrix[..., :3, :], matrix[..., 3:, :]], -3)  # (..., 2, 3, n)
+        carried = np.cross(matrix[..., None, 3:, None, :], halves[..., None], axis=-3)  # [i, j] = w_j x half_i
+        along = along - carried.reshape(along.shape)
+        count = along.shape[-1]
+        flat = along.reshape(*along.shape[:-2], count * count)
+        return _turned(placement, matrix), _turned(placement, flat).reshape(along.shape)
+
+
+def _turned(placement: Array, columns: Array) -> Array:
+    """Return columns (..., 6, k) in the axes of a placement."""
+    to_axes = np.swapaxes(placement[..., :3, :3], -1, -2)
+    return np.concatenate([to_axes @ columns[..., :3, :], to_axes @ columns[..., 3:, :]], -2)

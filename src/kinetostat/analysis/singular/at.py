@@ -24,7 +24,7 @@ from kinetostat.analysis.singular.losses import (
 from kinetostat.analysis.singular.mechanism import MODEL, STRICT, Mechanism, mechanism
 from kinetostat.analysis.singular.nearest import Nearest, nearest
 from kinetostat.analysis.singular.search import converge
-from kinetostat.conventions import Array
+from kinetostat.conventions import Array, Reference
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
 from kinetostat.errors import ConfigurationError
@@ -91,6 +91,7 @@ def singular_at(
     relative_to: str | None = None,
     point: Sequence[float] | None = None,
     axes: str | Sequence[str] | None = None,
+    reference: Reference | str = Reference.ALIGNED,
 ) -> SingularAt:
     """Say whether a configuration is singular, and everything about it.
 
@@ -107,13 +108,14 @@ def singular_at(
         relative_to: the observer's link; default the root link.
         point: the tool point in the frame's coordinates, in m; default its origin.
         axes: the rows that count, such as "x y rz"; default all, see `mechanism`.
+        reference: aligned, rows in the observer's axes; or local, in the axes of the tool's frame.
 
     Raises:
         UnknownNameError: no such frame.
         UsageError: no joint between the frames, or a floating one; axes that cannot be.
         ConfigurationError: q is not one configuration of numbers.
     """
-    arm = mechanism(model, frame, relative_to=relative_to, point=point, axes=axes)
+    arm = mechanism(model, frame, relative_to=relative_to, point=point, axes=axes, reference=reference)
     whole = checked(model.robot, q)
     if whole.ndim != 1:
         raise ConfigurationError("one configuration is asked about", remedy="ask about each")

@@ -19,7 +19,7 @@ from kinetostat.analysis.singular.losses import LostWrench, lost_space, lost_wre
 from kinetostat.analysis.singular.mechanism import MODEL, STRICT, Mechanism, mechanism
 from kinetostat.analysis.singular.search import converge
 from kinetostat.analysis.singular.surfaces import surfaces
-from kinetostat.conventions import Array
+from kinetostat.conventions import Array, Reference
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError
 
@@ -122,6 +122,7 @@ def singular_find(
     relative_to: str | None = None,
     point: Sequence[float] | None = None,
     axes: str | Sequence[str] | None = None,
+    reference: Reference | str = Reference.ALIGNED,
     starts: int = STARTS,
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
@@ -138,6 +139,7 @@ def singular_find(
         relative_to: the observer's link; default the root link.
         point: the tool point in the frame's coordinates, in m; default its origin.
         axes: the rows that count, such as "x y rz"; default all, see `mechanism`.
+        reference: aligned, rows in the observer's axes; or local, in the axes of the tool's frame.
         starts: how many searches.
         seed: of the random numbers.
         progress: called with what is being done and the share of it that is done.
@@ -149,7 +151,7 @@ def singular_find(
     if not 1 <= starts <= _MOST_STARTS:
         raise UsageError(f"--starts is between 1 and {_MOST_STARTS}", remedy="for instance 1000")
     tell = progress or (lambda _what, _share: None)
-    arm = mechanism(model, frame, relative_to=relative_to, point=point, axes=axes)
+    arm = mechanism(model, frame, relative_to=relative_to, point=point, axes=axes, reference=reference)
     generator = np.random.default_rng(seed)
     tell("single joints", 0.0)
     singles = single_joint_families(arm, seed)

@@ -101,6 +101,8 @@ def lost_wrenches(mechanism: Mechanism, q: Array, basis: Array) -> tuple[LostWre
     rows[list(mechanism.task.rows)] = basis
     rows[:3] /= mechanism.length  # back to metres: power is the same in both
     _, placement = mechanism.chain.columns(q)
+    if mechanism.local:
+        rows = np.concatenate([placement[:3, :3] @ rows[:3], placement[:3, :3] @ rows[3:]])
     tool = mechanism.tool(q)
     arm = placement[:3, 3] - tool
     rows[3:] += np.cross(arm, rows[:3].T).T
@@ -215,12 +217,14 @@ def _held_still(mechanism: Mechanism, q: Array, start: Array) -> Array | None:
     """Return a configuration next to q with the tool where it is at `start`, by Gauss-Newton; None if none is found."""
     rows = list(mechanism.task.rows)
     _, home = mechanism.chain.columns(start)
+    to_axes = home[:3, :3].T
     for _ in range(12):
-        columns, placement = mechanism.chain.columns(q)
-        gap = _gap(placement, home, mechanism.length)[rows]
+        _, placement = mechanism.chain.columns(q)
+        gap = _gap(placement, home, mechanism.length)
+        gap = (np.concatenate([to_axes @ gap[:3], to_axes @ gap[3:]]) if mechanism.local else gap)[rows]
         if float(np.max(np.abs(gap))) < _STAYED:
             return q
-        left, values, right = np.linalg.svd(mechanism.scaled(columns @ mechanism.chain.fold), full_matrices=False)
+        left, values, right = np.linalg.svd(mechanism.jacobian(q), full_matrices=False)
         kept = values > _FLAT
         q = q - mechanism.units * (right[kept].T @ (left[:, kept].T @ gap / values[kept]))
     return None

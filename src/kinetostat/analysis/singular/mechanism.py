@@ -43,7 +43,7 @@ class Mechanism:
 
     Attributes:
         model: the robot.
-        velocity: the label of its Jacobian: of which point, relative to the observer, in the observer's axes.
+        velocity: the label of its Jacobian: of which point, relative to the observer, in its axes or in the tool's.
         point: the tool point in the frame's coordinates, m.
         task: the rows that count, m of them.
         chain: the screws, to the point of `velocity`.
@@ -105,6 +105,11 @@ class Mechanism:
     def _rows(self) -> Array:
         return np.where(np.array(self.task.rows) < 3, 1 / self.length, 1.0)[:, None]
 
+    @property
+    def local(self) -> bool:
+        """Whether the rows are in the axes of the tool's frame, not in those of the observer's."""
+        return self.velocity.expressed_in == self.velocity.of
+
     def scaled(self, matrix: Array) -> Array:
         """Return the task's rows of a Jacobian (..., 6, n) as pure numbers. (..., m, n)."""
         rows: Array = matrix[..., list(self.task.rows), :] * self._rows * self.units
@@ -112,11 +117,11 @@ class Mechanism:
 
     def jacobian(self, q: Array) -> Array:
         """Return the Jacobian as pure numbers. (..., n) -> (..., m, n)."""
-        return self.scaled(self.chain.jacobian(q))
+        return self.scaled(self.chain.jacobian(q, local=self.local))
 
     def derivatives(self, q: Array) -> tuple[Array, Array]:
         """Return the Jacobian and its derivatives by coordinates in their units. (..., m, n), (..., m, n, n)."""
-        matrix, along = self.chain.derivatives(q)
+        matrix, along = self.chain.derivatives(q, local=self.local)
         rows = along[..., list(self.task.rows), :, :] * self._rows[..., None]
         return self.scaled(matrix), rows * self.units[:, None] * self.units
 
@@ -201,6 +206,7 @@ def mechanism(
     relative_to: str | None = None,
     point: Sequence[float] | None = None,
     axes: str | Sequence[str] | None = None,
+    reference: Reference | str = Reference.ALIGNED,
 ) -> Mechanism:
     """Return the mechanism between two frames.
 
@@ -215,7 +221,8 @@ def mechanism(
         frame: the tool's frame, a link.
         relative_to: the observer's link; default the root link.
         point: the tool point in the frame's coordinates, in m; default its origin.
-        axes: the rows that count, such as "x y rz", in the observer's axes; default see above.
+        axes: the rows that count, such as "x y rz"; default see above.
+        reference: aligned, rows in the observer's axes; or local, in the axes of the tool's frame.
 
     Raises:
         UnknownNameError: no such frame.
@@ -224,7 +231,10 @@ def mechanism(
     robot = model.robot
     observer, of = robot.frame(relative_to or robot.root), robot.frame(frame)
     at = (0.0, 0.0, 0.0) if point is None else checked_point(point)
-    velocity = Velocity.by_reference(Reference.ALIGNED, of, observer, point=at)
+    reference = Reference(reference)
+    if reference is Reference.WORLD:
+        raise UsageError("rows that count are those of a tool point", remedy="use reference aligned or local")
+    velocity = Velocity.by_reference(reference, of, observer, point=at)
     joints = robot.movable_path(observer, of)
     if not joints:
         raise UsageError(f"no joint moves {quote(of)} relative to {quote(observer)}", remedy="choose another --frame")
@@ -243,9 +253,9 @@ def mechanism(
     task = _natural_task(chain.jacobian(q), robot.reach) if axes is None else Task.named(axes)
     if len(task.rows) == 6:
         amid = _amid_axes(robot, of, observer)
-        label = Velocity.by_reference(Reference.ALIGNED, of, observer, point=amid)
+        label = Velocity.by_reference(reference, of, observer, point=amid)
         draft = replace(draft, velocity=label, chain=ScrewEngine(robot).chain(of, observer, amid)[0])
-    samples = draft.chain.jacobian(q)
+    samples = draft.chain.jacobian(q, local=draft.local)
     sized = replace(draft, length=_axes_distance(samples, turning, robot.reach), task=task)
     values = np.linalg.svd(sized.scaled(samples), compute_uv=False)
     rank = int(np.max(np.sum(values > MODEL, axis=-1)))

@@ -110,7 +110,7 @@ class Transmission:
     unit_force: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Manipulability:
     """Indices, ellipsoids and gradients of the blocks of a Jacobian.
 
@@ -140,6 +140,10 @@ class Manipulability:
     transmission: Transmission | None
     certificate: Certificate
     warnings: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        shape = self.blocks["full"].yoshikawa.shape
+        return f"<Manipulability {quote(self.velocity.of)}: blocks {', '.join(self.blocks)}, batch {shape}>"
 
 
 def manipulability(

@@ -27,7 +27,7 @@ from kinetostat.analysis.singular.search import converge
 from kinetostat.conventions import Array, Reference
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
-from kinetostat.errors import ConfigurationError
+from kinetostat.errors import ConfigurationError, quote
 
 __all__ = ["Condition", "SingularAt", "certified_values", "remarks", "singular_at"]
 
@@ -43,7 +43,7 @@ class Condition:
     name: str | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SingularAt:
     """What is to be said of a configuration.
 
@@ -81,6 +81,10 @@ class SingularAt:
     distance: Nearest
     certificate: Certificate
     warnings: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        verdict = f"singular, {self.name or 'without a name'}, {self.kind}" if self.singular else "not singular"
+        return f"<SingularAt {quote(self.mechanism.velocity.of)}: {verdict}, rank {self.rank}>"
 
 
 def singular_at(

@@ -21,7 +21,7 @@ from kinetostat.analysis.singular.search import converge
 from kinetostat.analysis.singular.surfaces import surfaces
 from kinetostat.conventions import Array, Reference
 from kinetostat.engines.model import Model
-from kinetostat.errors import UsageError
+from kinetostat.errors import UsageError, quote
 
 __all__ = ["Coverage", "Family", "SingularFamilies", "singular_find"]
 
@@ -90,7 +90,7 @@ class Coverage:
     unseen: float | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SingularFamilies:
     """The singular configurations of an arm.
 
@@ -113,6 +113,10 @@ class SingularFamilies:
     coverage: Coverage
     certificate: Certificate
     warnings: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        where = f"{self.converged} of {self.starts} searches converged"
+        return f"<SingularFamilies {quote(self.mechanism.velocity.of)}: {len(self.families)} families, {where}>"
 
 
 def singular_find(

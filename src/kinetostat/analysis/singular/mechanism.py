@@ -32,7 +32,7 @@ _ROUNDED = 1e-3  # rad: what a rounded angle is off
 _SLACK = 1e-5  # a limit typed with six digits is not exceeded by its own rounding
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Mechanism:
     """The joints between an observer and a tool point, and the rows of the tool's twist that count.
 
@@ -66,6 +66,10 @@ class Mechanism:
     indices: tuple[int, ...]
     length: float
     generic_rank: int
+
+    def __repr__(self) -> str:
+        frames = f"{quote(self.velocity.of)} relative to {quote(self.velocity.relative_to)}"
+        return f"<Mechanism {frames}: {len(self.names)} joints, rank {self.generic_rank} of {len(self.task.rows)}>"
 
     @cached_property
     def periodic(self) -> tuple[bool, ...]:

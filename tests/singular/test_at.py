@@ -267,3 +267,37 @@ def test_a_wheel_is_never_singular(name, frame):
     answer = ks.singular_at(model, frame, ks.random_configurations(model.robot, 1, ()))
     assert (answer.singular, answer.rank, answer.mechanism.generic_rank) == (False, 1, 1)
     assert answer.certificate.tolerance < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("name", "frame", "observer"),
+    [
+        ("panda", "panda_hand", None),
+        ("tiago", "arm_tool_link", "torso_lift_link"),
+        ("z1", "gripperStator", None),
+        ("textbook:puma560", "tool", None),
+        ("textbook:anthropomorphic", "tool", None),
+    ],
+)
+def test_a_witness_has_the_name_of_its_family(name, frame, observer):
+    model = robot(name)
+    found = ks.singular_find(model, frame, relative_to=observer, starts=300)
+    rest = ks.configuration(model, "zero").q
+    assert any(family.name for family in found.families)
+    for family in found.families:
+        answer = ks.singular_at(model, frame, found.mechanism.configuration(family.witness, rest), relative_to=observer)
+        assert answer.name == family.name, family.positions
+
+
+def test_a_configuration_typed_with_few_digits_is_told_as_the_exact_one():
+    model = robot("ur5_robot")
+    exact, typed = (np.array([0.0, -1, 1, 0.5, wrist, 0.2]) for wrist in (np.pi, 3.1416))
+    first, second = (ks.singular_at(model, "tool0", q) for q in (exact, typed))
+    assert (first.tolerance, second.tolerance) == ("strict", "model")
+    assert [condition.positions for condition in second.conditions] == [{"wrist_2_joint": np.pi}]
+    assert (first.kind, first.name) == (second.kind, second.name) == ("tangential", "wrist")
+    for one, other in zip(first.self_motions, second.self_motions, strict=True):
+        assert one.finite
+        assert other.finite
+        np.testing.assert_allclose(one.rates, other.rates, atol=1e-4)
+    assert second.lost[0].pitch == 0

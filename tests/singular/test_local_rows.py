@@ -71,3 +71,15 @@ def test_a_weld_is_regular_elsewhere():
 def test_there_is_no_task_at_the_observers_origin():
     with pytest.raises(ks.UsageError, match="tool point"):
         ks.singular_find(ks.load("example:ur5_robot"), "tool0", reference="world")
+
+
+@pytest.mark.parametrize("robot", ["textbook:puma560", "textbook:stanford"])
+def test_the_wrist_of_a_weld_turns_inside(robot):
+    """joint5 = 0: joints 4 and 6 turn the tool about its own z, each alone."""
+    q = np.array([0.3, 0.4, 0.5, 1.0, 0.0, 0.5])
+    answer = ks.singular_at(ks.load(robot), "tool", q, **WELD)
+    assert (answer.singular, answer.kind, answer.name) == (True, "tangential", "wrist")
+    rates = np.array([motion.rates for motion in answer.self_motions])
+    assert all(motion.finite for motion in answer.self_motions)
+    np.testing.assert_allclose(np.linalg.svd(rates[:, [3, 5]], compute_uv=False), [1, 1], atol=1e-9)
+    np.testing.assert_allclose(rates[:, [0, 1, 2, 4]], 0, atol=1e-9)

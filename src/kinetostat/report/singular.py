@@ -118,6 +118,7 @@ def _facts(result: SingularAt) -> Table:
     return Table(("", ""), tuple(rows), words=True)
 
 
+_ABREAST = 4  # motions in a table
 _NEAR = 0.01  # rad
 _FAR = 1.0  # rad: beyond, a first-order estimate tells nothing
 _ROUNDED = "zero but for rounding (below 1e-5): a model or an angle with few digits"
@@ -168,13 +169,18 @@ def _inside(result: SingularAt) -> list[Table]:
     shown = f"what moves inside: joint rates {rest}"
     if everywhere:
         shown += f" ({everywhere} of them at every configuration)"
-    header = ("joint", "unit", *(f"motion {i + 1}" for i in range(len(result.self_motions))))
-    rows: list[tuple[Cell, ...]] = []
-    for i, name in enumerate(arm.names):
-        unit = "rad/s" if arm.turning[i] else "m/s"
-        rows.append((name, unit, *(f"{round(float(m.rates[i]), 5) + 0.0:.5f}" for m in result.self_motions)))
-    rows.append(("", "", *("finite" if m.finite else "instant" for m in result.self_motions)))
-    return [Table(header, tuple(rows), title=shown, words=True)]
+    motions = list(enumerate(result.self_motions, start=1))
+    tables = []
+    for first in range(0, len(motions), _ABREAST):
+        some = motions[first : first + _ABREAST]
+        rows: list[tuple[Cell, ...]] = []
+        for i, name in enumerate(arm.names):
+            unit = "rad/s" if arm.turning[i] else "m/s"
+            rows.append((name, unit, *(f"{round(float(m.rates[i]), 5) + 0.0:.5f}" for _, m in some)))
+        rows.append(("", "", *("finite" if m.finite else "instant" for _, m in some)))
+        header = ("joint", "unit", *(f"motion {number}" for number, _ in some))
+        tables.append(Table(header, tuple(rows), title="" if first else shown, words=True))
+    return tables
 
 
 def _nearest(arm: Mechanism, found: Nearest, start: Any, degrees: bool) -> list[Table]:

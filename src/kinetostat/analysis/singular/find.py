@@ -240,11 +240,9 @@ def _kinds(told: Sequence[str]) -> str:
 
 
 def _name(shape: Geometry, group: Group, witness: Array, lost: Sequence[LostWrench], motions: Array) -> str | None:
-    """Return the customary name; of a surface, by its geometry, or by joints of the shoulder or wrist that it holds."""
-    if not group.implicit:
-        return shape.name(group.held, witness, lost, motions)
-    held = shape.region(group.held)
-    return shape.name((), witness, lost, motions) or (held if held in ("shoulder", "wrist") else None)
+    """Return the customary name: by one or two joints whose positions make it, else by its geometry."""
+    held = group.held if not group.implicit and len(group.held) < 3 else ()
+    return shape.name(held, witness, lost, motions)
 
 
 def _members(arm: Mechanism, group: Group, generator: np.random.Generator) -> Array:

@@ -151,7 +151,8 @@ class Geometry:
         """Return the customary name of a singularity: by the joints `held` whose positions make it, if they do.
 
         Else by the line of the lost force: through the wrist centre, it is the shoulder's where the first turning
-        joint takes part in the motion inside, and the elbow's where it does not.
+        joint takes part in the motion inside, and the elbow's where it does not. Else by what is between two axes that
+        coincide.
         """
         if held:
             return self.region(held)
@@ -163,6 +164,13 @@ class Geometry:
             if wrench.pitch == 0 and wrench.point is not None and self._centre(axes, wrench)[0] is not None:
                 takes_part = first is not None and bool(np.any(np.abs(motions[first]) > 1e-6))
                 return "shoulder" if takes_part else "elbow"
+        return self._bent(q, axes)
+
+    def _bent(self, q: Array, axes: Sequence[Axis]) -> str | None:
+        """Return the name of what is between two axes that coincide: the joints that bend one against the other."""
+        for chosen in dependent_sets(self.mechanism, q):
+            if len(chosen) == 2 and self._special(chosen) and all(axes[i].point is not None for i in chosen):
+                return self.region(range(chosen[0] + 1, chosen[1]))
         return None
 
 

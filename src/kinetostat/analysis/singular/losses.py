@@ -15,6 +15,7 @@ from kinetostat.screw import so3
 
 __all__ = ["LostWrench", "SelfMotion", "lost_space", "lost_wrenches", "motion_space", "self_motions"]
 
+_NOTHING = 1e-8  # size of a form that is rounding
 _PURE = 1e-6  # relative size below which a part of a screw is nothing
 _FIRST_STEP = 1e-3  # rad or L, of a walk
 _STEP = 0.02
@@ -153,15 +154,16 @@ def _plain_basis(rows: Array) -> Array:
 
 
 def _isotropic(form: Array) -> Array | None:
-    """Return the two vectors x with x^T F x = 0 of a symmetric form (2, 2), as rows; None where F is of one sign."""
+    """Return the two vectors x with x^T F x = 0 of a symmetric form (2, 2), as rows; None where F is of one sign or 0.
+
+    Of a x^2 + 2 b x y + c y^2, with t = -(b + sign(b) sqrt(b^2 - a c)): (t, a) and (c, t), which lose no digits.
+    """
     (a, b), (_, c) = form
-    discriminant = b * b - a * c
-    if discriminant <= _PURE * float(np.max(np.abs(form))) ** 2:
+    size, discriminant = float(np.max(np.abs(form))), b * b - a * c
+    if size < _NOTHING or discriminant <= _PURE * size * size:
         return None
-    root = math.sqrt(discriminant)
-    if abs(a) >= abs(c):
-        return np.array([[-b + root, a], [-b - root, a]])
-    return np.array([[c, -b + root], [c, -b - root]])
+    t = -(b + math.copysign(math.sqrt(discriminant), b))
+    return np.array([[t, a], [c, t]])
 
 
 def _tool(mechanism: Mechanism) -> str:

@@ -27,16 +27,16 @@ from kinetostat.conventions import Array, Flags
 __all__ = ["surfaces"]
 
 _REDUNDANT = 3  # joints too many: beyond, conditions are too many to tell apart but by support
-_SHARED = 1e-5  # rad or m: a window in which positions that many share must lie
+_SHARED, _SHARED_ROUNDED = 1e-7, 1e-5  # rad or m: a window in which positions that many share must lie
 _SHARE = 0.02  # how many are many
 _FEWEST = 4  # and how many at least
-_ROUNDED = 1e-3  # rad or m: positions so close to one that many share are that one, but for rounding
+_ABSORBED, _ABSORBED_ROUNDED = 1e-5, 1e-3  # rad or m: positions so close to one that many share are that one
 _SAME = 1e-8  # rad or m: and those that differ by less are one in exact numbers
 _BESIDE = 0.05  # rad or L: how far from a shared position a member of a sliver may be
 _AT_ONCE = 500  # configurations, so that memory does not grow with their number
 _MEASURED = 64  # members of which the codimension is taken
 _DRAWS = 12  # positions of one joint that are tried
-_FEW = 0.1  # share that is too small to be a surface apart
+_FEW = 0.2  # share that is too small to be a surface apart
 _TRIED = 6  # members of a small group that are tried
 _BACK = 8  # searches from beside each
 _NUDGE = 0.1  # rad or L: how far beside
@@ -192,7 +192,7 @@ def _off(mechanism: Mechanism, group: Group, q: Array) -> Array:
 def _at_quarter(angle: float) -> float:
     """Return the multiple of a quarter turn in (-pi, pi] that an angle nearly is, else the angle."""
     quarters = round(angle / (math.pi / 2))
-    near = abs(angle - quarters * math.pi / 2) < _SHARED
+    near = abs(angle - quarters * math.pi / 2) < _SHARED_ROUNDED
     return (math.pi if abs(quarters) == 2 else quarters * math.pi / 2) if near else angle
 
 
@@ -200,13 +200,15 @@ def _common_positions(mechanism: Mechanism, q: Array) -> Array:
     """Return the position that many configurations share in a coordinate, NaN where they do not. (N, n) -> (N, n)."""
     common = np.full(q.shape, np.nan)
     fewest = max(_FEWEST, math.ceil(_SHARE * len(q)))
+    window = _SHARED_ROUNDED if mechanism.rounded else _SHARED
+    absorbed = _ABSORBED_ROUNDED if mechanism.rounded else _ABSORBED
     for j, turns in enumerate(mechanism.periodic):
-        values = math.pi - np.remainder(math.pi - _ROUNDED - q[:, j], 2 * math.pi) - _ROUNDED if turns else q[:, j]
+        values = math.pi - np.remainder(math.pi - absorbed - q[:, j], 2 * math.pi) - absorbed if turns else q[:, j]
         ordered = np.sort(values)
         # Windows that hold many; a curve that turns back has some crowding, too, but not that much.
-        crowded = ordered[: len(q) - fewest + 1][ordered[fewest - 1 :] - ordered[: len(q) - fewest + 1] < _SHARED]
+        crowded = ordered[: len(q) - fewest + 1][ordered[fewest - 1 :] - ordered[: len(q) - fewest + 1] < window]
         for start in crowded:
-            near = np.abs(values - start) < _ROUNDED
+            near = np.abs(values - start) < absorbed
             if np.all(np.isnan(common[near, j])):
                 shared = float(np.median(values[near]))
                 common[near, j] = _at_quarter(shared) if turns else shared

@@ -29,7 +29,7 @@ def smallest_by_pinocchio(arm: Mechanism, q: np.ndarray) -> np.ndarray:
     """Return sigma_min of Pinocchio's Jacobian, length-scaled, at coordinates (N, n)."""
     robot = arm.model.robot
     whole = arm.configuration(q, neutral(robot))
-    columns = [robot.velocity_slices[joint.name].start for joint in arm.joints]
+    columns = robot.velocity_columns(arm.joints)
     matrix = arm.scaled(arm.model.engine.jacobian(whole, arm.velocity)[..., columns])
     return np.linalg.svd(matrix, compute_uv=False)[:, arm.generic_rank - 1]
 

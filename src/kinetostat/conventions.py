@@ -6,6 +6,7 @@ A velocity is always a velocity *of* a frame F (of a point P fixed in it), *rela
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
@@ -127,6 +128,14 @@ class Velocity:
             return cls(of, relative_to, expressed_in or relative_to, None)
         axes = expressed_in or (of if reference is Reference.LOCAL else relative_to)
         return cls(of, relative_to, axes, (0.0, 0.0, 0.0) if point is None else point)
+
+
+def quarter_turns(angle: float) -> str | None:
+    """Return an angle in [-pi, pi] in words, if it is a multiple of a quarter turn: -pi, -pi/2, 0, pi/2, pi."""
+    quarters = round(angle / (math.pi / 2))
+    if abs(quarters) > 2 or abs(angle - quarters * math.pi / 2) >= 1e-12:
+        return None
+    return ("-pi", "-pi/2", "0", "pi/2", "pi")[quarters + 2]
 
 
 def tolerance(length: float, speed: float = 1.0) -> float:

@@ -38,6 +38,7 @@ __all__ = [
     "UnknownNameError",
     "UsageError",
     "XmlError",
+    "cut",
     "printable",
     "quote",
 ]
@@ -52,10 +53,15 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
+def cut(text: str, longest: int = LONGEST_QUOTE) -> str:
+    """Return the text printable, cut to `longest` characters."""
+    shown = printable(text)
+    return shown if len(shown) <= longest else f"{shown[: longest - 3]}..."
+
+
 def quote(text: str, longest: int = LONGEST_QUOTE) -> str:
     """Return the text in quotation marks, printable, cut to `longest` characters."""
-    shown = printable(text)
-    return f"'{shown}'" if len(shown) <= longest else f"'{shown[: longest - 3]}...'"
+    return f"'{cut(text, longest)}'"
 
 
 class KinetostatError(Exception):

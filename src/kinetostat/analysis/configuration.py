@@ -10,7 +10,7 @@ import numpy as np
 
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
-from kinetostat.errors import ConfigurationError, UnknownNameError, quote
+from kinetostat.errors import ConfigurationError, UnknownNameError, cut, quote
 from kinetostat.urdf.description import Joint, JointType, Robot
 from kinetostat.urdf.srdf import Semantics
 
@@ -369,7 +369,7 @@ def _counted(count: int, what: str) -> str:
 
 def printable_names(names: Sequence[str], longest: int = 12) -> list[str]:
     """Return names quoted for a message, the first dozen."""
-    return [quote(name)[1:-1] for name in names[:longest]] + (["..."] if len(names) > longest else [])
+    return [cut(name) for name in names[:longest]] + (["..."] if len(names) > longest else [])
 
 
 def _from_state(robot: Robot, semantics: Semantics, name: str, warnings: list[str]) -> Array:

@@ -17,7 +17,7 @@ from kinetostat.engines.protocol import Engine
 from kinetostat.errors import RepresentationError, UsageError, quote
 from kinetostat.urdf.description import Joint, JointType, Robot
 
-__all__ = ["Jacobian", "checked_point", "jacobian", "velocity_units"]
+__all__ = ["Jacobian", "checked_point", "jacobian", "labelled", "velocity_units"]
 
 _NO_RATES = 1e-9  # abs(det E) below which Euler angles have no rates
 _FAST_RATES = 1e-3  # below which they are said to be near their singularity
@@ -96,10 +96,9 @@ def jacobian(
     """
     robot = model.robot
     q, qdot = checked(robot, q), None if qdot is None else checked_rates(robot, qdot, np.shape(q)[:-1])
-    reference, point = Reference(reference), None if point is None else checked_point(point)
-    observer = robot.frame(relative_to or robot.root)
-    axes = None if expressed_in is None else robot.frame(expressed_in)
-    velocity = Velocity.by_reference(reference, robot.frame(frame), observer, point=point, expressed_in=axes)
+    reference = Reference(reference)
+    velocity = labelled(robot, frame, reference, relative_to, expressed_in, point)
+    observer = velocity.relative_to
     sequence = EulerSequence.named(rates) if isinstance(rates, str) else rates
     if sequence is not None and (reference is not Reference.ALIGNED or velocity.expressed_in != observer):
         raise UsageError(
@@ -107,7 +106,7 @@ def jacobian(
             remedy="leave out --reference and --expressed-in",
         )
     chosen = _columns(robot, velocity, joints)
-    columns = [i for joint in chosen for i in range(*robot.velocity_slices[joint.name].indices(robot.nv))]
+    columns = robot.velocity_columns(chosen)
 
     def both(engine: Engine) -> Array:
         geometric = engine.jacobian(q, velocity)
@@ -117,7 +116,7 @@ def jacobian(
             geometric, rate = _analytic(sequence, rotation, geometric, rate, qdot)
         return geometric if rate is None else np.stack(np.broadcast_arrays(geometric, rate), -3)
 
-    scale, speed, angles, warnings = length_scale(robot, q, point), 1.0, None, list[str]()
+    scale, speed, angles, warnings = length_scale(robot, q, velocity.point), 1.0, None, list[str]()
     if qdot is not None:
         rates_sum = float(np.max(np.sum(np.abs(qdot), -1), initial=0.0))
         speed = max(1.0, rates_sum * robot.largest_multiplier)
@@ -148,6 +147,26 @@ def jacobian(
         certificate,
         tuple(warnings),
     )
+
+
+def labelled(
+    robot: Robot,
+    frame: str,
+    reference: Reference,
+    relative_to: str | None,
+    expressed_in: str | None,
+    point: Sequence[float] | None,
+) -> Velocity:
+    """Return the label of the velocity that is asked for, as `jacobian` describes the parts, each checked.
+
+    Raises:
+        UnknownNameError: no such frame.
+        UsageError: not a point; a point with reference world.
+    """
+    at = None if point is None else checked_point(point)
+    observer = robot.frame(relative_to or robot.root)
+    axes = None if expressed_in is None else robot.frame(expressed_in)
+    return Velocity.by_reference(reference, robot.frame(frame), observer, point=at, expressed_in=axes)
 
 
 def checked_point(point: Sequence[float]) -> tuple[float, float, float]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinetostat.analysis.configuration import checked, random_configurations
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
-from kinetostat.analysis.jacobian import checked_point
+from kinetostat.analysis.jacobian import labelled, velocity_units
 from kinetostat.analysis.task import (
     FULL,
     ROTATION,
@@ -33,7 +33,6 @@ _NO_LENGTH = 1e-9  # of the robot's reach: a distance below it is rounding
 _SHORTEST, _LONGEST = 1e-9, 1e9  # m
 _SAMPLES, _SEED = 8, 0  # configurations that tell the usual rank
 STRICT = 1e-9  # of the largest singular value: below it a singular value is zero
-INDICES = ("yoshikawa", "minimum_singular_value", "inverse_condition_number", "isotropy")
 
 
 @dataclass(frozen=True)
@@ -198,16 +197,9 @@ def manipulability(
     """
     robot = model.robot
     q, reference = checked(robot, q), Reference(reference)
-    point = None if point is None else checked_point(point)
-    observer = robot.frame(relative_to or robot.root)
-    turned_to = None if expressed_in is None else robot.frame(expressed_in)
-    velocity = Velocity.by_reference(reference, robot.frame(frame), observer, point=point, expressed_in=turned_to)
-    joints = robot.movable_path(observer, velocity.of)
-    if not joints:
-        raise UsageError(
-            f"no joint moves {quote(velocity.of)} relative to {quote(observer)}", remedy="choose another --frame"
-        )
-    columns = [i for joint in joints for i in range(*robot.velocity_slices[joint.name].indices(robot.nv))]
+    velocity = labelled(robot, frame, reference, relative_to, expressed_in, point)
+    joints = robot.moving_joints(velocity.relative_to, velocity.of)
+    columns = robot.velocity_columns(joints)
     turning = turning_columns(joints)
     tasks = [FULL, TRANSLATION, ROTATION, *([] if axes is None else [Task.named(axes)])]
     weighing = _weights(robot, joints, q, weights, len(columns))
@@ -222,7 +214,7 @@ def manipulability(
             values[..., 0, i, : found.shape[-1]] = found
         return np.concatenate([matrix[..., None, :, :], along, values], -3)
 
-    value, certificate = certified(model, both, length_scale(robot, q, point), robot.largest_multiplier)
+    value, certificate = certified(model, both, length_scale(robot, q, velocity.point), robot.largest_multiplier)
     matrix, along = value[..., 0, :, :], np.moveaxis(value[..., 1:-1, :, :], -3, -1)
     size, size_reference = _length(length, matrix, turning, tasks[-1], robot.reach)
     warnings = list[str]()
@@ -251,7 +243,7 @@ def manipulability(
         velocity,
         reference,
         tuple(name for joint in joints for name in joint.velocity_names),
-        tuple("rad/s" if turns else "m/s" for turns in turning),
+        tuple(unit for joint in joints for unit in velocity_units(joint)),
         blocks,
         size,
         size_reference,

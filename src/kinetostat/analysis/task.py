@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinetostat.analysis.jacobian import velocity_units
 from kinetostat.conventions import TWIST_ROWS, TWIST_UNITS, Array
 from kinetostat.errors import UsageError, quote
-from kinetostat.urdf.description import Joint, JointType
+from kinetostat.urdf.description import Joint
 
-__all__ = ["FULL", "ROTATION", "TRANSLATION", "Task", "characteristic_length", "length_scaled"]
+__all__ = ["FULL", "ROTATION", "TRANSLATION", "Task", "characteristic_length", "length_scaled", "turning_columns"]
 
 _WORD = re.compile(r"[rvw]?[xyz]+")
 
@@ -117,12 +118,4 @@ def length_scaled(matrix: Array, turning: Sequence[bool], length: Array | float)
 
 def turning_columns(joints: Sequence[Joint]) -> tuple[bool, ...]:
     """Return for each velocity coordinate of the joints whether it is an angle's."""
-    turning = list[bool]()
-    for joint in joints:
-        if joint.type is JointType.FLOATING:
-            turning += [False] * 3 + [True] * 3
-        elif joint.type is JointType.PLANAR:
-            turning += [False, False, True]
-        else:
-            turning.append(joint.type.is_angle)
-    return tuple(turning)
+    return tuple(unit == "rad/s" for joint in joints for unit in velocity_units(joint))

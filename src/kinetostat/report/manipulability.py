@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 __all__ = ["manipulability_result", "manipulability_view"]
 
-_READ = {"1": "1", "N/W": "N per W", "Nm/W": "Nm per W"}
 _INDICES = (
     ("Yoshikawa", "yoshikawa"),
     ("smallest singular value", "minimum_singular_value"),
@@ -29,7 +28,7 @@ def manipulability_view(result: Manipulability, at: Configuration, *, degrees: b
     blocks = list(result.blocks.values())
     rows: list[tuple[Cell, ...]] = [
         ("rows", *(" ".join(block.task.row_names) if block.task.name == "task" else "" for block in blocks)),
-        ("unit of s", *(_READ.get(block.unit, block.unit) for block in blocks)),
+        ("unit of s", *(block.unit for block in blocks)),
         ("rank / dimension", *(f"{int(block.rank)} / {block.task_dimension}" for block in blocks)),
     ]
     if "task" not in result.blocks:

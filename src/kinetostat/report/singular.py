@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetostat.conventions import WRENCH_ROWS
-from kinetostat.errors import quote
+from kinetostat.analysis.singular.dependence import listed
+from kinetostat.conventions import WRENCH_ROWS, quarter_turns
+from kinetostat.errors import cut
 from kinetostat.report.json import nested, number
 from kinetostat.report.view import Cell, Table, View, configuration_note
 
@@ -30,14 +31,13 @@ def condition_words(
     arm: Mechanism, positions: Mapping[str, float], support: Sequence[str], codimension: int, *, degrees: bool
 ) -> str:
     """Return a condition in the file's own angles: `joint3 = 0`, and what else a surface is about."""
-    held = [f"{_name(joint)} = {_position(arm, joint, value, degrees)}" for joint, value in positions.items()]
-    others = [_name(joint) for joint in support if joint not in positions]
+    held = [f"{cut(joint)} = {_position(arm, joint, value, degrees)}" for joint, value in positions.items()]
+    others = [joint for joint in support if joint not in positions]
     words = " and ".join(held)
     if not others:
         return words
-    listed = others[0] if len(others) == 1 else f"{', '.join(others[:-1])} and {others[-1]}"
     count = codimension - len(held)
-    relation = f"a relation of {listed}" if count < 2 else f"{count} relations of {listed}"
+    relation = f"a relation of {listed(others)}" if count < 2 else f"{count} relations of {listed(others)}"
     return f"{words}, with {relation}" if held else relation
 
 
@@ -47,14 +47,7 @@ def _position(arm: Mechanism, joint: str, value: float, degrees: bool) -> str:
         return f"{value:.6g} m"
     if degrees:
         return f"{math.degrees(value):.6g} deg"
-    quarters = round(value / (math.pi / 2))
-    if abs(value - quarters * math.pi / 2) < 1e-12 and abs(quarters) <= 2:
-        return ("-pi", "-pi/2", "0", "pi/2", "pi")[quarters + 2]
-    return f"{value:.6g}"
-
-
-def _name(name: str) -> str:
-    return quote(name)[1:-1]
+    return quarter_turns(value) or f"{value:.6g}"
 
 
 def _rows(arm: Mechanism) -> str:
@@ -64,8 +57,8 @@ def _rows(arm: Mechanism) -> str:
 
 def _place(arm: Mechanism) -> str:
     velocity = arm.velocity
-    axes = f" in the axes of {_name(velocity.of)}" if arm.local and len(arm.task.rows) < 6 else ""
-    return f"{_name(velocity.of)} relative to {_name(velocity.relative_to)}; {_rows(arm)}{axes}"
+    axes = f" in the axes of {cut(velocity.of)}" if arm.local and len(arm.task.rows) < 6 else ""
+    return f"{cut(velocity.of)} relative to {cut(velocity.relative_to)}; {_rows(arm)}{axes}"
 
 
 def _values(values: Any) -> str:
@@ -135,7 +128,7 @@ def _taken_at(arm: Mechanism) -> str:
     point = np.round(arm.velocity.point or arm.point, 9) + 0.0
     if np.allclose(point, arm.point, atol=1e-9):
         return ""
-    return f", at the point ({', '.join(f'{c:.4g}' for c in point)}) of {_name(arm.velocity.of)}, amid the axes"
+    return f", at the point ({', '.join(f'{c:.4g}' for c in point)}) of {cut(arm.velocity.of)}, amid the axes"
 
 
 def _why(result: SingularAt, degrees: bool) -> list[Table]:
@@ -212,7 +205,7 @@ def _moves(arm: Mechanism, q: Any, start: Any, degrees: bool) -> str:
     for joint, value, before in zip(arm.names, q, start, strict=True):
         if value != before:
             old, new = (_position(arm, joint, float(x), degrees) for x in (before, value))
-            moved.append(f"{_name(joint)} {old} -> {new}")
+            moved.append(f"{cut(joint)} {old} -> {new}")
     return ", ".join(moved)
 
 
@@ -295,7 +288,7 @@ def _coverage(result: SingularFamilies) -> tuple[str, ...]:
         f"{result.converged} of {result.starts} searches ended in a singular configuration{lost} (hits: how many ended "
         "on a family; codim: how many equations its condition is)"
     ]
-    missing = ", ".join(_name(name) for name in coverage.incomplete)
+    missing = ", ".join(cut(name) for name in coverage.incomplete)
     but = f", but not of {missing}" if missing else ""
     slides = "" if all(arm.periodic) else "; of slides and screws, inside their range and one range beyond"
     found = (
@@ -444,7 +437,7 @@ def _family(arm: Mechanism, family: Family) -> dict[str, Any]:
         "complete": family.complete,
         "witness": {
             "configuration": _by_joint(arm, family.witness),
-            "singular_values": [float(np.float64(value)) for value in family.singular_values],
+            "singular_values": nested(family.singular_values),
         },
         "hits": family.hits,
     }

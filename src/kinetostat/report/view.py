@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kinetostat.conventions import Array, Order, Velocity
-from kinetostat.errors import quote
+from kinetostat.errors import cut
 from kinetostat.urdf.description import Joint, JointType, Robot
 from kinetostat.urdf.files import short_names
 
@@ -94,12 +94,12 @@ def disagreement_tables(certificate: Certificate) -> tuple[Table, ...]:
 def velocity_label(velocity: Velocity) -> str:
     """Return a velocity's label in words: of, relative to, expressed in."""
     if velocity.point is None:
-        point = f"the point of {_name(velocity.of)} at the origin of {_name(velocity.relative_to)}"
+        point = f"the point of {cut(velocity.of)} at the origin of {cut(velocity.relative_to)}"
     elif any(velocity.point):
-        point = f"point ({', '.join(f'{c:g}' for c in velocity.point)}) m of {_name(velocity.of)}"
+        point = f"point ({', '.join(f'{c:g}' for c in velocity.point)}) m of {cut(velocity.of)}"
     else:
-        point = f"the origin of {_name(velocity.of)}"
-    return f"of {point},\nrelative to {_name(velocity.relative_to)}, in the axes of {_name(velocity.expressed_in)}"
+        point = f"the origin of {cut(velocity.of)}"
+    return f"of {point},\nrelative to {cut(velocity.relative_to)}, in the axes of {cut(velocity.expressed_in)}"
 
 
 def jacobian_view(result: Jacobian, at: Configuration, *, order: Order, degrees: bool) -> View:
@@ -166,7 +166,7 @@ def configuration_note(at: Configuration, degrees: bool) -> str:
     for joint in at.robot.independent:
         where = at.robot.position_slices[joint.name]
         if np.any(shown[where] != rest[where]):
-            parts.append(f"{_name(joint.name)} {' '.join(f'{float(value):.6g}' for value in shown[where])}")
+            parts.append(f"{cut(joint.name)} {' '.join(f'{float(value):.6g}' for value in shown[where])}")
     unit = "deg" if degrees else "rad"
     return f"at zero (angles in {unit})" if not parts else f"at {', '.join(parts)} (m, {unit}; others zero)"
 
@@ -189,7 +189,7 @@ def fk_view(result: Placement, at: Configuration, *, degrees: bool) -> View:
         ((result.frame, result.relative_to, x, y, z, *map(float, result.quaternion_xyzw), *map(float, angles)),),
         ("", "", "m", "m", "m", "", "", "", "", unit, unit, unit),
     )
-    title = f"{_name(result.frame)} relative to {_name(result.relative_to)}"
+    title = f"{cut(result.frame)} relative to {cut(result.relative_to)}"
     return View(title, (position, turned, quaternion, matrix), (configuration_note(at, degrees),), flat=flat)
 
 
@@ -206,7 +206,7 @@ def adjoint_view(
     tables = [flat]
     if given is not None and applied is not None:
         carried: list[tuple[Cell, ...]] = [(names[i], units[i], float(given[i]), float(applied[i])) for i in order.rows]
-        ends = _name(result.start), _name(result.end)
+        ends = cut(result.start), cut(result.end)
         tables.append(
             Table(
                 ("", "unit", *ends), tuple(carried), title=f"the given {result.kind}, and the same in the other frame"
@@ -214,7 +214,7 @@ def adjoint_view(
         )
         both = tuple((*row, *more[2:]) for row, more in zip(flat.rows, carried, strict=True))
         flat = Table((*flat.header, "given", "applied"), both, (*flat.units, "", ""))
-    title = f"6x6 that carries a {result.kind} in {_name(result.start)} to {_name(result.end)}"
+    title = f"6x6 that carries a {result.kind} in {cut(result.start)} to {cut(result.end)}"
     return View(title, tuple(tables), (configuration_note(at, degrees),), flat=flat)
 
 
@@ -229,7 +229,7 @@ def frames_view(robot: Robot) -> View:
         else:
             rows.append((link.name, joint.parent, joint.name, joint.type.value, str(depth)))
     return View(
-        f"{len(rows)} frames of {_name(robot.name)}, root {_name(robot.root)}",
+        f"{len(rows)} frames of {cut(robot.name)}, root {cut(robot.root)}",
         (Table(("frame", "parent", "joint", "type", "depth"), tuple(rows), words=True),),
     )
 
@@ -238,12 +238,12 @@ def info_view(result: Summary, *, degrees: bool) -> View:
     """Return the view of what is in a file."""
     robot = result.robot
     movable = sum(joint.type is not JointType.FIXED for joint in robot.joints)
-    name = _name(robot.name) or "a robot without a name"
+    name = cut(robot.name) or "a robot without a name"
     total = result.base_mass + result.moving_mass
     title = (
         f"{name}: {_counted(len(robot.links), 'link')}, {_counted(len(robot.joints), 'joint')} ({movable} movable), "
         f"{robot.nv} degree{'' if robot.nv == 1 else 's'} of freedom\n"
-        f"mass {total:.6g} kg, {result.moving_mass:.6g} kg without the base link {_name(robot.root)}\n"
+        f"mass {total:.6g} kg, {result.moving_mass:.6g} kg without the base link {cut(robot.root)}\n"
         f"longest chain {result.reach:.4g} m, stretched out"
     )
     tables = [_joint_table(robot, degrees)]
@@ -298,12 +298,12 @@ def _law(joint: Joint) -> str:
     if joint.mimic is None:
         return ""
     offset = f" {joint.mimic.offset:+g}" if joint.mimic.offset else ""
-    return f"{joint.mimic.multiplier:g} x {_name(joint.mimic.joint)}{offset}"
+    return f"{joint.mimic.multiplier:g} x {cut(joint.mimic.joint)}{offset}"
 
 
 def tree_lines(robot: Robot) -> tuple[str, ...]:
     """Return the kinematic tree drawn with lines, links with the joints that carry them."""
-    lines = [_name(robot.root)]
+    lines = [cut(robot.root)]
     stack = [
         (joint, "", i == len(robot.child_joints[robot.root]) - 1)
         for i, joint in enumerate(robot.child_joints[robot.root])
@@ -312,7 +312,7 @@ def tree_lines(robot: Robot) -> tuple[str, ...]:
         if len(lines) >= _TOO_TALL:
             return (*lines, f"... and {len(robot.links) - len(lines)} links more (kinetostat frames lists them)")
         joint, indent, last = stack.pop()
-        lines.append(f"{indent}{'`-' if last else '|-'} {_name(joint.child)}  ({_name(joint.name)}, {_kind(joint)})")
+        lines.append(f"{indent}{'`-' if last else '|-'} {cut(joint.child)}  ({cut(joint.name)}, {_kind(joint)})")
         below = robot.child_joints[joint.child]
         inner = indent + ("  " if last else "| ")
         stack += [(child, inner, i == len(below) - 1) for i, child in enumerate(below)][::-1]
@@ -328,8 +328,3 @@ def robots_view(textbook: dict[str, Path], example: dict[str, Path]) -> View:
     rows: list[tuple[Cell, ...]] = [(f"textbook:{name}", "kinetostat") for name in textbook]
     rows += [(f"example:{name}", "example-robot-data") for name in short_names(example)]
     return View(f"{len(rows)} robots", (Table(("robot", "comes with"), tuple(rows), words=True),))
-
-
-def _name(name: str) -> str:
-    """Return a name as a title shows it: printable, cut, without quotation marks."""
-    return quote(name)[1:-1]

@@ -281,6 +281,17 @@ class Robot:
                 found.setdefault(leader.name, leader)
         return list(found.values())
 
+    def moving_joints(self, start: str, end: str) -> list[Joint]:
+        """Return the joints of `movable_path`, one at least.
+
+        Raises:
+            UsageError: there is none.
+        """
+        joints = self.movable_path(start, end)
+        if not joints:
+            raise UsageError(f"no joint moves {quote(end)} relative to {quote(start)}", remedy="choose another --frame")
+        return joints
+
     def default_tip(self) -> str:
         """Return the one tip of the robot.
 
@@ -327,6 +338,10 @@ class Robot:
     def velocity_slices(self) -> dict[str, slice]:
         """Where each independent joint's velocities, and Jacobian columns, are."""
         return self._slices([joint.type.nv for joint in self.independent])
+
+    def velocity_columns(self, joints: Iterable[Joint]) -> list[int]:
+        """Return where the columns of some independent joints are, in their order."""
+        return [i for joint in joints for i in range(self.nv)[self.velocity_slices[joint.name]]]
 
     def _slices(self, sizes: list[int]) -> dict[str, slice]:
         slices, start = {}, 0

@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from kinetostat.errors import LimitError, XmlError, quote
+from kinetostat.errors import LimitError, XmlError, cut, quote
 
 __all__ = ["Document", "Element", "parse"]
 
@@ -43,7 +43,7 @@ class Element:
 
     def label(self) -> str:
         """Return the element as a reader would look for it: `<joint name='elbow'>`, `<joint name='elbow'><axis>`."""
-        tag = quote(self.tag)[1:-1]
+        tag = cut(self.tag)
         if "name" in self.attributes:
             return f"<{tag} name={quote(self.attributes['name'], 40)}>"
         inside = self.parent.label() if self.parent is not None and self.parent.tag in _NAMED else ""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import re
 
-from kinetostat.errors import LimitError, NumberError, StructureError, quote
+from kinetostat.errors import LimitError, NumberError, StructureError, cut, quote
 from kinetostat.urdf.description import Inertial, Joint, JointType, Limit, Link, Mesh, Mimic, Origin, Robot, Vector
 from kinetostat.urdf.document import Document, Element
 from kinetostat.urdf.reading import Reading
@@ -41,7 +41,7 @@ def read(document: Document) -> Robot:
     reading, root = Reading(document), document.root
     if root.tag != "robot":
         remedy = "convert it to URDF first" if root.tag == "sdf" else "a URDF has <robot> as its root element"
-        raise reading.error(root, f"the root element is <{quote(root.tag)[1:-1]}>, not <robot>", remedy)
+        raise reading.error(root, f"the root element is <{cut(root.tag)}>, not <robot>", remedy)
     version = _version(reading, root)
     name = root.attributes.get("name", "")
     if not name:
@@ -80,7 +80,7 @@ def _version(reading: Reading, root: Element) -> tuple[int, int]:
 def _name(reading: Reading, element: Element, seen: dict[str, int]) -> str:
     name = element.attributes.get("name")
     if not name:
-        raise reading.error(element, f"a {quote(element.tag)[1:-1]} without a name", "give it a name")
+        raise reading.error(element, f"a {cut(element.tag)} without a name", "give it a name")
     if len(name) > MAX_NAME:
         message = f"a name of {len(name)} characters; at most {MAX_NAME} are read"
         raise reading.error(element, message, "shorten it", LimitError)

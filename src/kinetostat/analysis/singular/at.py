@@ -131,8 +131,8 @@ def singular_at(
     motions = motion_space(arm, here, rank)
     space = lost_space(arm, here, rank) if singular else np.zeros((len(arm.task.rows), 0))
     found = self_motions(arm, here, motions, space)
-    singles = tuple((single.index, p) for single in single_joint_families(arm, _SEED) for p in single.positions)
     if not singular:
+        singles = tuple((single.index, p) for single in single_joint_families(arm, _SEED) for p in single.positions)
         distance = nearest(arm, here, singles)
         return SingularAt(
             arm, given, values, rank, False, None, (), found, None, (), (), None, distance, certificate, remarks(arm)
@@ -169,7 +169,7 @@ def singular_at(
 
 def certified_values(arm: Mechanism, whole: Array) -> tuple[Array, Certificate]:
     """Return the singular values of the length-scaled Jacobian at configurations (..., nq), and the certificate."""
-    columns = [i for joint in dict.fromkeys(arm.joints) for i in _columns(arm, joint.name)]
+    columns = arm.model.robot.velocity_columns(dict.fromkeys(arm.joints))
 
     def both(engine: Engine) -> Array:
         matrix = arm.scaled(engine.jacobian(whole, arm.velocity)[..., columns])
@@ -181,11 +181,6 @@ def certified_values(arm: Mechanism, whole: Array) -> tuple[Array, Certificate]:
     scale = length_scale(arm.model.robot, whole, arm.velocity.point, arm.length)
     value, certificate = certified(arm.model, both, scale)
     return value[..., -1, : min(len(arm.task.rows), len(arm.names))], certificate
-
-
-def _columns(arm: Mechanism, joint: str) -> range:
-    where = arm.model.robot.velocity_slices[joint]
-    return range(where.start, where.stop)
 
 
 def _settled(arm: Mechanism, q: Array) -> Array:

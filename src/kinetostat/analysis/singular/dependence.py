@@ -9,8 +9,9 @@ import numpy as np
 
 from kinetostat.analysis.singular.lines import TOUCHING, Axis, in_one_plane, meeting_point, parallel
 from kinetostat.analysis.singular.mechanism import Mechanism
+from kinetostat.analysis.task import length_scaled
 from kinetostat.conventions import Array
-from kinetostat.errors import quote
+from kinetostat.errors import cut
 
 __all__ = ["compared_columns", "dependence_words", "dependent_sets", "flats", "listed", "of_axes"]
 
@@ -44,9 +45,7 @@ def compared_columns(mechanism: Mechanism, q: Array) -> Array:
     """
     if not mechanism.task.mixed:
         return mechanism.jacobian(q)
-    matrix = mechanism.chain.jacobian(q) * mechanism.units
-    matrix[:3] /= mechanism.length
-    return matrix
+    return length_scaled(mechanism.chain.jacobian(q), mechanism.turning, mechanism.length)
 
 
 def flats(matrix: Array, sets: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
@@ -133,5 +132,5 @@ def _plural(word: str, names: Sequence[str]) -> str:
 
 def listed(names: Sequence[str]) -> str:
     """Return names in a sentence: a, b and c."""
-    shown = [quote(name)[1:-1] for name in names]
+    shown = [cut(name) for name in names]
     return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"

@@ -10,7 +10,7 @@ import numpy as np
 from kinetostat.analysis.singular.kind import second_order_forms
 from kinetostat.analysis.singular.mechanism import MODEL, Mechanism
 from kinetostat.conventions import Array
-from kinetostat.errors import quote
+from kinetostat.errors import cut
 from kinetostat.screw import so3
 
 __all__ = ["LostWrench", "SelfMotion", "lost_space", "lost_wrenches", "motion_space", "self_motions"]
@@ -115,13 +115,12 @@ def lost_wrenches(mechanism: Mechanism, q: Array, basis: Array) -> tuple[LostWre
 
 def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array, reach: float, noise: float) -> LostWrench:
     """Return a wrench with its screw and its meaning; `reach` is the size of moments for unit forces, in m."""
+    body = cut(mechanism.velocity.of)
     force, moment = wrench[:3], wrench[3:]
     size = float(np.linalg.norm(force)) * reach
     if size <= _PURE * float(np.linalg.norm(moment)):
         wrench = _signed(np.concatenate([np.zeros(3), moment / np.linalg.norm(moment)]))
-        words = (
-            f"{_tool(mechanism)} cannot turn about {_direction(mechanism, wrench[3:])}; it resists any moment about it"
-        )
+        words = f"{body} cannot turn about {_direction(mechanism, wrench[3:])}; it resists any moment about it"
         return LostWrench(wrench, wrench[3:], None, math.inf, words)
     wrench = _signed(wrench / np.linalg.norm(force))
     force, moment = wrench[:3], wrench[3:]
@@ -133,13 +132,13 @@ def _lost_wrench(mechanism: Mechanism, wrench: Array, tool: Array, reach: float,
     at = f"({', '.join(f'{c:.4g}' for c in np.where(np.abs(point) < _PURE * reach, 0.0, point))})"
     if pitch:
         words = (
-            f"{_tool(mechanism)} moves along the line through {at} along {along} only as it turns about it: "
+            f"{body} moves along the line through {at} along {along} only as it turns about it: "
             f"v = {-pitch:.4g} m/rad w"
         )
     elif through:
-        words = f"{_tool(mechanism)} cannot move along {along}; it resists any force along this line"
+        words = f"{body} cannot move along {along}; it resists any force along this line"
     else:
-        words = f"the point {at} of {_tool(mechanism)} cannot move along {along}; it resists any force on this line"
+        words = f"the point {at} of {body} cannot move along {along}; it resists any force on this line"
     return LostWrench(wrench, force, point, pitch, words)
 
 
@@ -166,12 +165,8 @@ def _isotropic(form: Array) -> Array | None:
     return np.array([[t, a], [c, t]])
 
 
-def _tool(mechanism: Mechanism) -> str:
-    return quote(mechanism.velocity.of)[1:-1]
-
-
 def _direction(mechanism: Mechanism, direction: Array) -> str:
-    frame = quote(mechanism.velocity.relative_to)[1:-1]
+    frame = cut(mechanism.velocity.relative_to)
     nearest = int(np.argmax(np.abs(direction)))
     if abs(direction[nearest]) > 1 - 1e-9:
         return f"{'xyz'[nearest]} of {frame}"

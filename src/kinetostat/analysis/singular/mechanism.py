@@ -239,16 +239,15 @@ def mechanism(
     if reference is Reference.WORLD:
         raise UsageError("rows that count are those of a tool point", remedy="use reference aligned or local")
     velocity = Velocity.by_reference(reference, of, observer, point=at)
-    joints = robot.movable_path(observer, of)
-    if not joints:
-        raise UsageError(f"no joint moves {quote(of)} relative to {quote(observer)}", remedy="choose another --frame")
+    joints = robot.moving_joints(observer, of)
     floating = next((joint for joint in joints if joint.type is JointType.FLOATING), None)
     if floating is not None:
         raise UsageError(
             f"floating joint {quote(floating.name)} moves {quote(of)} any way: nothing there is ever singular",
             remedy=f"--relative-to {floating.child}, the link that it carries",
         )
-    chain, names = ScrewEngine(robot).chain(of, observer, at)
+    engine = ScrewEngine(robot)
+    chain, names = engine.chain(of, observer, at)
     each = [joint for joint in joints for _ in range(joint.type.nq)]
     indices = [i for joint in joints for i in range(*robot.position_slices[joint.name].indices(robot.nq))]
     turning = turning_columns(joints)
@@ -256,9 +255,9 @@ def mechanism(
     q = draft.draw(np.random.default_rng(_SEED), (_SAMPLES,))
     task = _natural_task(chain.jacobian(q), robot.reach) if axes is None else Task.named(axes)
     if len(task.rows) == 6:
-        amid = _amid_axes(robot, of, observer)
+        amid = _amid_axes(robot, engine, of, observer)
         label = Velocity.by_reference(reference, of, observer, point=amid)
-        draft = replace(draft, velocity=label, chain=ScrewEngine(robot).chain(of, observer, amid)[0])
+        draft = replace(draft, velocity=label, chain=engine.chain(of, observer, amid)[0])
     samples = draft.chain.jacobian(q, local=draft.local)
     sized = replace(draft, length=_axes_distance(samples, turning, robot.reach), task=task)
     values = np.linalg.svd(sized.scaled(samples), compute_uv=False)
@@ -269,12 +268,12 @@ def mechanism(
     return replace(sized, generic_rank=rank)
 
 
-def _amid_axes(robot: Robot, of: str, observer: str) -> tuple[float, float, float]:
+def _amid_axes(robot: Robot, engine: ScrewEngine, of: str, observer: str) -> tuple[float, float, float]:
     """Return the origin of the last joint that turns, in the tool frame's coordinates at the zero configuration, m."""
     last = next((joint for joint, _ in reversed(robot.path(observer, of)) if joint.type.is_angle), None)
     if last is None:
         return 0.0, 0.0, 0.0
-    x, y, z = ScrewEngine(robot).placement(neutral(robot), last.child, of)[:3, 3]
+    x, y, z = engine.placement(neutral(robot), last.child, of)[:3, 3]
     return float(x), float(y), float(z)
 
 

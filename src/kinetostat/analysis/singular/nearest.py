@@ -59,11 +59,9 @@ def nearest(mechanism: Mechanism, q: Array, known: tuple[tuple[int, float], ...]
     candidates.sort(key=lambda x: _away(mechanism, x, q))
     closer = [_drawn_closer(mechanism, x, q) for x in _spread_out(mechanism, candidates)]
     for index, position in known:
-        exact = q.copy()
         target = q.copy()
         target[index] = position
-        exact[index] = q[index] + mechanism.difference(target, q)[index] * mechanism.units[index]
-        closer.append(exact)
+        closer.append(q + mechanism.difference(target, q) * mechanism.units)
     if not closer:
         return Nearest(first_order, None, None, None)
     best, *others = sorted((_undusted(mechanism, x, q) for x in closer), key=lambda x: _away(mechanism, x, q))

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinetostat.analysis.singular.find import Family, SingularFamilies
 from kinetostat.analysis.singular.mechanism import Mechanism
-from kinetostat.conventions import Array
+from kinetostat.conventions import Array, quarter_turns
 from kinetostat.errors import UsageError, printable, unknown_name
 
 __all__ = ["Curve", "Mark", "Slice", "Workspace", "is_planar", "slice_over", "workspace"]
@@ -178,16 +178,16 @@ def _marks(arm: Mechanism, family: Family, first: int, second: int, degrees: boo
 
 
 def _label(arm: Mechanism, positions: Mapping[str, float], degrees: bool) -> str:
-    """Return positions in words: joint2 = 1.571."""
+    """Return positions in words: joint2 = pi/2."""
     words = []
     for name, value in positions.items():
-        turns = arm.turning[arm.names.index(name)]
-        quarters = round(value / (math.pi / 2))
-        if turns and not degrees and 0 < abs(quarters) <= 2 and abs(value - quarters * math.pi / 2) < 1e-9:
-            shown = {1: "pi/2", 2: "pi", -1: "-pi/2", -2: "-pi"}[quarters]
+        if not arm.turning[arm.names.index(name)]:
+            shown = f"{value:.4g} m"
+        elif degrees:
+            shown = f"{math.degrees(value):.4g} deg"
         else:
-            shown = f"{math.degrees(value) if turns and degrees else value:.4g}"
-        words.append(f"{printable(name)} = {shown}{' deg' if turns and degrees else '' if turns else ' m'}")
+            shown = quarter_turns(value) or f"{value:.4g}"
+        words.append(f"{printable(name)} = {shown}")
     return ", ".join(words)
 
 

@@ -6,7 +6,7 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kinetostat.errors import UsageError, quote
+from kinetostat.errors import UsageError, cut, quote
 from kinetostat.report.figures.sheet import house_style
 from kinetostat.report.writing import write_whole
 
@@ -27,7 +27,7 @@ def check_suffix(path: Path) -> None:
     if path.suffix.lower() not in _UNDATED:
         raise UsageError(
             f"cannot draw {quote(str(path))}: a picture's format is told by its suffix",
-            remedy=f"name it {quote(path.stem or 'picture')[1:-1]}.svg, .png or .pdf",
+            remedy=f"name it {cut(path.stem or 'picture')}.svg, .png or .pdf",
         )
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from kinetostat.conventions import Array
-from kinetostat.errors import quote
+from kinetostat.errors import cut
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -70,7 +70,7 @@ def house_style() -> Iterator[None]:
 
 def named(name: str, longest: int = 28) -> str:
     """Return a name from a robot file as a figure shows it: printable, cut, a dollar sign being a dollar sign."""
-    return quote(name, longest)[1:-1].replace("$", r"\$")
+    return cut(name, longest).replace("$", r"\$")
 
 
 def text_width(text: str, size: float = 8, weight: str = "normal") -> float:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 else:
     Array = Flags = Any  # a name in annotations only: --help takes its words from here, and should not wait for NumPy
 
-__all__ = ["Array", "Flags", "Order", "Reference", "Velocity", "WrenchOrTwist", "tolerance"]
+__all__ = ["GRAVITY", "Array", "Flags", "Load", "Order", "Reference", "Velocity", "WrenchOrTwist", "tolerance"]
 
 TWIST_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 TWIST_UNITS = ("m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s")
@@ -39,6 +39,7 @@ PLANAR_POSITION = ("x", "y", "theta")
 PLANAR_VELOCITY = ("vx", "vy", "wz")
 
 AGREEMENT = 1e-12
+GRAVITY = (0.0, 0.0, -9.81)  # m/s2, in the root link's axes: what Pinocchio and most simulators take for the Earth's
 
 
 class Word(StrEnum):
@@ -128,6 +129,19 @@ class Velocity:
             return cls(of, relative_to, expressed_in or relative_to, None)
         axes = expressed_in or (of if reference is Reference.LOCAL else relative_to)
         return cls(of, relative_to, axes, (0.0, 0.0, 0.0) if point is None else point)
+
+
+@dataclass(frozen=True)
+class Load:
+    """A wrench (f, m) that the robot exerts on what it touches.
+
+    `at` says where and how it is given: by which link (`of`), through which point, in which axes. It is the dual of the
+    velocity with that label: the power given to the surroundings is `wrench . velocity`, so tau = J^T wrench.
+    `wrench` is (6,) or (..., 6), N and Nm, force first; the moment is about the point.
+    """
+
+    at: Velocity
+    wrench: Array
 
 
 def quarter_turns(angle: float) -> str | None:

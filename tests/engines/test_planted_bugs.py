@@ -265,15 +265,15 @@ def _text(old: str, new: str) -> Plant:
 
 
 def _negative_position(patch: pytest.MonkeyPatch) -> None:
-    original = PinocchioEngine._configuration
+    original = PinocchioEngine._configurations
 
-    def configuration(self: PinocchioEngine, q: np.ndarray) -> np.ndarray:
+    def configurations(self: PinocchioEngine, q: np.ndarray) -> np.ndarray:
         full = original(self, q)
         mast = next(joint for joint in self._joints if joint.name == "mast")
-        full[mast.q] = -full[mast.q]
+        full[:, mast.q] = -full[:, mast.q]
         return full
 
-    patch.setattr(PinocchioEngine, "_configuration", configuration)
+    patch.setattr(PinocchioEngine, "_configurations", configurations)
 
 
 def _turned(change: Callable[..., np.ndarray]) -> Plant:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -28,6 +28,7 @@ from kinetostat.conventions import (
     TWIST_ROWS,
     WORLD_LINK,
     Array,
+    Load,
     Velocity,
     WrenchOrTwist,
 )
@@ -153,13 +154,20 @@ class PinocchioEngine:
     def placement(self, q: Array, frame: str, relative_to: str) -> Array:
         """Return T_a_f."""
         f, a = self._frame(frame), self._frame(relative_to)
-        return self._each(lambda: self._data.oMf[a].actInv(self._data.oMf[f]).homogeneous, q)
+
+        def placement(full: Array) -> Array:
+            self._place(full)
+            matrix: Array = self._data.oMf[a].actInv(self._data.oMf[f]).homogeneous
+            return matrix
+
+        return self._each(placement, q)
 
     def frame_change(self, q: Array, start: str, end: str, kind: WrenchOrTwist) -> Array:
         """Return Pinocchio's action matrix of T_end_start, or its dual for wrenches."""
         s, e = self._frame(start), self._frame(end)
 
-        def change() -> Array:
+        def change(full: Array) -> Array:
+            self._place(full)
             placement = self._data.oMf[e].actInv(self._data.oMf[s])
             matrix: Array = placement.action if kind is WrenchOrTwist.TWIST else placement.dualAction
             return matrix
@@ -170,13 +178,94 @@ class PinocchioEngine:
         """Return J from Pinocchio's Jacobians of F and A at their origins, in the root's axes."""
         if self._model.nv == 0:  # pin 4.1 dies on a Jacobian without columns
             return np.zeros((*np.shape(q)[:-1], 6, 0))
-        return self._each(lambda: self._turned(*self._relative(velocity), velocity), q, jacobians=True)
+
+        def jacobian(full: Array) -> Array:
+            pin.computeJointJacobians(self._model, self._data, full)
+            pin.updateFramePlacements(self._model, self._data)
+            return self._turned(*self._relative(velocity), velocity)
+
+        return self._each(jacobian, q)
 
     def jacobian_rate(self, q: Array, qdot: Array, velocity: Velocity) -> Array:
         """Return dJ/dt from Pinocchio's time variation of the same two Jacobians."""
         if self._model.nv == 0:
             return np.zeros((*np.shape(q)[:-1], 6, 0))
-        return self._each(lambda rate: self._rate(velocity, rate), q, np.asarray(qdot, dtype=np.float64))
+
+        def rate(full: Array, rates: Array) -> Array:
+            pin.computeJointJacobiansTimeVariation(self._model, self._data, full, self._fold @ rates)
+            pin.updateFramePlacements(self._model, self._data)
+            return self._rate(velocity, rates)
+
+        return self._each(rate, q, qdot)
+
+    def link_motions(self, q: Array, qdot: Array, qddot: Array, links: Sequence[str]) -> Array:
+        """Return Pinocchio's frame velocities and spatial accelerations, LOCAL."""
+        frames = [self._frame(link) for link in links]
+
+        def motions(full: Array, rates: Array, accelerations: Array) -> Array:
+            pin.forwardKinematics(self._model, self._data, full, self._fold @ rates, self._fold @ accelerations)
+            found = np.zeros((len(frames), 2, 6))
+            for i, frame in enumerate(frames):
+                found[i, 0] = pin.getFrameVelocity(self._model, self._data, frame, pin.LOCAL).vector
+                found[i, 1] = pin.getFrameAcceleration(self._model, self._data, frame, pin.LOCAL).vector
+            return found
+
+        return self._each(motions, q, qdot, qddot)
+
+    def holding_torques(self, q: Array, gravity: Array, loads: Sequence[Load]) -> Array:
+        """Return Pinocchio's RNEA at rest, with what the robot exerts acting back on it, folded onto the leaders."""
+        self._model.gravity.linear = np.asarray(gravity, dtype=np.float64)
+        still = np.zeros(self._model.nv)
+
+        def torques(full: Array, *wrenches: Array) -> Array:
+            if not loads:
+                tau = pin.computeGeneralizedGravity(self._model, self._data, full)
+            else:
+                self._place(full)
+                back = pin.StdVec_Force()
+                back.extend([pin.Force.Zero()] * self._model.njoints)
+                for load, wrench in zip(loads, wrenches, strict=True):
+                    joint = self._model.frames[self._frame(load.at.of)].parentJoint
+                    back[joint] -= self._data.oMi[joint].actInv(self._exerted(load, wrench))
+                tau = pin.rnea(self._model, self._data, full, still, still, back)
+            folded: Array = self._fold.T @ tau
+            return folded
+
+        return self._each(torques, q, *(load.wrench for load in loads))
+
+    def joint_wrenches(self, q: Array, gravity: Array, loads: Sequence[Load], links: Sequence[str]) -> Array:
+        """Return what balances weight and loads of everything beyond each link, from composite bodies.
+
+        Not computeSupportedInertiaByFrame, which takes the wrong subtree for frames of bodies (pin 4.1).
+        """
+        down, frames = np.asarray(gravity, dtype=np.float64), [self._frame(link) for link in links]
+        carriers = [self._carriers(load.at.of) for load in loads]
+
+        def held(full: Array, *wrenches: Array) -> Array:
+            self._place(full)
+            mass, moment = self._beyond()
+            found = np.zeros((len(frames), 6))
+            exerted = [self._exerted(load, wrench) for load, wrench in zip(loads, wrenches, strict=True)]
+            for i, frame in enumerate(frames):
+                balance = pin.Force(-mass[frame] * down, np.cross(-moment[frame], down))
+                for carrying, wrench in zip(carriers, exerted, strict=True):
+                    if frame in carrying:
+                        balance += wrench
+                found[i] = self._data.oMf[frame].actInv(balance).vector
+            return found
+
+        return self._each(held, q, *(load.wrench for load in loads))
+
+    def gravity_stiffness(self, q: Array, gravity: Array) -> Array:
+        """Return Pinocchio's derivative of the generalized gravity, folded from both sides."""
+        self._model.gravity.linear = np.asarray(gravity, dtype=np.float64)
+
+        def stiffness(full: Array) -> Array:
+            whole = pin.computeGeneralizedGravityDerivatives(self._model, self._data, full)
+            folded: Array = self._fold.T @ whole @ self._fold
+            return folded
+
+        return self._each(stiffness, q)
 
     def masses(self) -> tuple[float, float]:
         """Return the mass of the base link and of all other links, in kg.
@@ -197,6 +286,55 @@ class PinocchioEngine:
 
     # --- one configuration -------------------------------------------------------------------------------------
 
+    def _exerted(self, load: Load, wrench: Array) -> Any:
+        """Return a load as a force about the root's origin, in the root's axes."""
+        turn = self._data.oMf[self._frame(load.at.expressed_in)].rotation
+        return pin.SE3(np.eye(3), self._point(load.at)).act(pin.Force(turn @ wrench[:3], turn @ wrench[3:]))
+
+    @cached_property
+    def _shares(self) -> list[tuple[float, Array]]:
+        """Return each frame's own mass, and its centre of mass times mass in the frame: zero but for links.
+
+        Pinocchio lumps a link with what is fixed to it. The frame of a fixed joint keeps what that joint brought, which
+        is its link's own; a link on a moving joint has what is left; a base link keeps its own.
+        """
+        frames, shares = self._model.frames, list[tuple[float, Array]]()
+        for frame in frames:
+            above = frames[frame.parentFrame]
+            fixed = above.type == pin.FrameType.FIXED_JOINT and frame.parentFrame > 0  # 0 is Pinocchio's own universe
+            inertia = above.inertia if fixed else frame.inertia
+            mass, moment = float(inertia.mass), inertia.mass * inertia.lever
+            if above.type == pin.FrameType.JOINT:
+                whole = self._model.inertias[frame.parentJoint]
+                mass, moment = float(whole.mass), whole.mass * whole.lever
+                for other in frames:
+                    if other.parentJoint == frame.parentJoint and other.type == pin.FrameType.FIXED_JOINT:
+                        brought = other.placement.act(other.inertia)
+                        mass, moment = mass - brought.mass, moment - brought.mass * brought.lever
+            shares.append((mass, moment) if frame.type == _BODY else (0.0, np.zeros(3)))
+        return shares
+
+    def _beyond(self) -> tuple[Array, Array]:
+        """Return mass, and centre of mass times mass in the root's axes, of each frame and all frames beyond it."""
+        mass, moment = np.zeros(self._model.nframes), np.zeros((self._model.nframes, 3))
+        for i in range(self._model.nframes - 1, -1, -1):
+            place, (own, lever) = self._data.oMf[i], self._shares[i]
+            mass[i] += own
+            moment[i] += own * place.translation + place.rotation @ lever
+            if i:
+                parent = self._model.frames[i].parentFrame
+                mass[parent] += mass[i]
+                moment[parent] += moment[i]
+        return mass, moment
+
+    def _carriers(self, name: str) -> set[int]:
+        """Return the frames of a link and of everything between it and the root: what carries a load on it."""
+        frame, found = self._frame(name), {self._frame(name), 0}
+        while frame:
+            frame = int(self._model.frames[frame].parentFrame)
+            found.add(frame)
+        return found
+
     def _frame(self, name: str) -> int:
         if name == WORLD_LINK and not self._model.existFrame(name, _BODY):
             return 0
@@ -205,43 +343,42 @@ class PinocchioEngine:
             raise EngineError(f"Pinocchio has no link {printable(name)!r}")
         return index
 
-    def _configuration(self, q: Array) -> Array:
-        """Return Pinocchio's configuration: its order, followers set, angles of unbounded joints as (cos, sin)."""
-        full = np.zeros(self._model.nq)
+    def _configurations(self, q: Array) -> Array:
+        """Return Pinocchio's configurations: its order, followers set, angles of unbounded joints as (cos, sin)."""
+        full = np.zeros((len(q), self._model.nq))
         for joint in self._joints:
-            part = q[joint.positions]
+            part = q[:, joint.positions]
             if joint.type == "continuous":
-                angle = joint.multiplier * part[0] + joint.offset
-                full[joint.q : joint.q + 2] = np.cos(angle), np.sin(angle)
+                angle = joint.multiplier * part[:, 0] + joint.offset
+                full[:, joint.q], full[:, joint.q + 1] = np.cos(angle), np.sin(angle)
             elif joint.type == "planar":
-                full[joint.q : joint.q + 4] = part[0], part[1], np.cos(part[2]), np.sin(part[2])
+                full[:, joint.q : joint.q + 2] = part[:, :2]
+                full[:, joint.q + 2], full[:, joint.q + 3] = np.cos(part[:, 2]), np.sin(part[:, 2])
             elif joint.type == "floating":
-                full[joint.q : joint.q + 3] = part[:3]
-                full[joint.q + 3 : joint.q + 7] = part[3:] / np.linalg.norm(part[3:])
+                full[:, joint.q : joint.q + 3] = part[:, :3]
+                full[:, joint.q + 3 : joint.q + 7] = part[:, 3:] / np.linalg.norm(part[:, 3:], axis=1, keepdims=True)
             else:
-                full[joint.q] = joint.multiplier * part[0] + joint.offset
+                full[:, joint.q] = joint.multiplier * part[:, 0] + joint.offset
         return full
 
-    def _each(self, evaluate: Any, q: Array, qdot: Array | None = None, *, jacobians: bool = False) -> Array:
-        """Set each configuration in turn, evaluate, and stack the results over the leading shape."""
-        q = np.asarray(q, dtype=np.float64)
-        shape = q.shape[:-1] if qdot is None else np.broadcast_shapes(q.shape[:-1], qdot.shape[:-1])
+    def _each(self, evaluate: Callable[..., Array], q: Array, *others: Array) -> Array:
+        """Evaluate at each configuration in turn, with its own part of the others; stack over the leading shape."""
+        parts = [np.asarray(part, dtype=np.float64) for part in (q, *others)]
+        shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
         count = int(np.prod(shape))
-        many = np.broadcast_to(q, (*shape, q.shape[-1])).reshape(count, q.shape[-1])
-        rates = None if qdot is None else np.broadcast_to(qdot, (*shape, qdot.shape[-1])).reshape(count, qdot.shape[-1])
-        results = []
-        for i in range(max(count, 1)):  # an empty batch still has a shape
-            full = self._configuration(many[i]) if count else pin.neutral(self._model)
-            if rates is not None:
-                rate = rates[i] if count else np.zeros(rates.shape[-1])
-                pin.computeJointJacobiansTimeVariation(self._model, self._data, full, self._fold @ rate)
-            elif jacobians:
-                pin.computeJointJacobians(self._model, self._data, full)
-            else:
-                pin.forwardKinematics(self._model, self._data, full)
-            pin.updateFramePlacements(self._model, self._data)
-            results.append(evaluate() if rates is None else evaluate(rate))
-        return np.stack(results)[:count].reshape(*shape, *results[0].shape)
+        many = [np.broadcast_to(part, (*shape, part.shape[-1])).reshape(count, part.shape[-1]) for part in parts]
+        if not count:  # an empty batch still has a shape
+            one = evaluate(pin.neutral(self._model), *(np.zeros(part.shape[-1]) for part in many[1:]))
+            return np.zeros((*shape, *one.shape))
+        # Results are often views of Pinocchio's data, which the next configuration overwrites.
+        rows = zip(self._configurations(many[0]), *many[1:], strict=True)
+        results = [np.array(evaluate(full, *rest)) for full, *rest in rows]
+        return np.stack(results).reshape(*shape, *results[0].shape)
+
+    def _place(self, full: Array) -> None:
+        """Set all placements."""
+        pin.forwardKinematics(self._model, self._data, full)
+        pin.updateFramePlacements(self._model, self._data)
 
     def _at_origin(self, frame: int) -> tuple[Array, Array]:
         """Return the linear and angular rows (3, nv) of a frame's origin, in the root's axes."""

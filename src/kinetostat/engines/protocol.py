@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from kinetostat.conventions import Array, Velocity, WrenchOrTwist
+from kinetostat.conventions import Array, Load, Velocity, WrenchOrTwist
 
 __all__ = ["Engine"]
 
 
 class Engine(Protocol):
-    """Kinematics of one robot. Frames are names of links that exist; callers check them."""
+    """Kinematics and statics of one robot. Frames are names of links that exist; callers check them."""
 
     @property
     def name(self) -> str:
@@ -50,4 +50,30 @@ class Engine(Protocol):
 
     def masses(self) -> tuple[float, float]:
         """Return the mass of the base link and of all other links, in kg."""
+        ...
+
+    def link_motions(self, q: Array, qdot: Array, qddot: Array, links: Sequence[str]) -> Array:
+        """Return twist and spatial acceleration of links relative to the root, at their origins in their own axes.
+
+        The spatial acceleration is the rate of the twist's components in the link's axes (R. Featherstone, "Rigid Body
+        Dynamics Algorithms", 2008, section 2.10). (..., nq), (..., nv), (..., nv) -> (..., k, 2, 6).
+        """
+        ...
+
+    def holding_torques(self, q: Array, gravity: Array, loads: Sequence[Load]) -> Array:
+        """Return the joint torques that hold the robot still against gravity (3,) in m/s2 while it exerts loads.
+
+        dU/dq + sum J^T F, U being the potential energy; gravity is in the root's axes. (..., nq) -> (..., nv).
+        """
+        ...
+
+    def joint_wrenches(self, q: Array, gravity: Array, loads: Sequence[Load], links: Sequence[str]) -> Array:
+        """Return the wrench by which each link is held by the one before it (the root link by the ground), in statics.
+
+        About the link's origin, in its own axes. (..., nq) -> (..., k, 6), N and Nm.
+        """
+        ...
+
+    def gravity_stiffness(self, q: Array, gravity: Array) -> Array:
+        """Return d(dU/dq)/dq, row i the gradient of the holding torque of coordinate i. (..., nq) -> (..., nv, nv)."""
         ...

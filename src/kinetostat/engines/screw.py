@@ -5,6 +5,8 @@ Joint i sits at the placement A_i in its parent link and moves by exp(s_i q_i), 
     T_child = T_parent A_i exp(s_i q_i)          (a product of exponentials, in local form)
     S_i     = Ad(T_child) s_i                    (its column, a space screw)
     dS_i/dt = [V_child, S_i]                     (a screw carried by its link)
+    V_child = Ad(T_child^-1 T_parent) V_parent + s_i qdot_i     (outward, link to link)
+    F_link  = its own load + sum of F_child      (inward);   tau_i = S_i . F_child
 
 A batch `(..., nq)` is computed joint by joint over all configurations at once.
 """
@@ -12,12 +14,13 @@ A batch `(..., nq)` is computed joint by joint over all configurations at once.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 
 import numpy as np
 
-from kinetostat.conventions import Array, Velocity, WrenchOrTwist
+from kinetostat.conventions import Array, Load, Velocity, WrenchOrTwist
 from kinetostat.screw import se3, so3
-from kinetostat.screw.adjoint import adjoint, carry, coadjoint, cross, twist_matrix
+from kinetostat.screw.adjoint import adjoint, bracket, carry, coadjoint, cross, twist_matrix
 from kinetostat.screw.chain import Chain, screw
 from kinetostat.urdf.description import Joint, JointType, Mimic, Origin, Robot
 
@@ -82,6 +85,82 @@ class ScrewEngine:
         base = mass.pop(self._robot.root, 0.0)
         return base, sum(mass.values())
 
+    def link_motions(self, q: Array, qdot: Array, qddot: Array, links: Sequence[str]) -> Array:
+        """Return twists and spatial accelerations by outward propagation, each link's from the one before it.
+
+        V_c = Ad(T_c_p) V_p + s qdot,   A_c = Ad(T_c_p) A_p + s qddot + [V_c, s qdot], in the child's axes.
+        """
+        q, qdot, qddot = (np.asarray(part, dtype=np.float64) for part in (q, qdot, qddot))
+        shape = np.broadcast_shapes(q.shape[:-1], qdot.shape[:-1], qddot.shape[:-1])
+        motions = {self._robot.root: (np.zeros((*shape, 6)), np.zeros((*shape, 6)))}
+        for link in links:
+            for joint in reversed([j for j in self._robot.to_root(link) if j.child not in motions]):
+                change = adjoint(se3.inverse(self._motion(joint, q)))
+                twist, acceleration = (_apply(change, part) for part in motions[joint.parent])
+                if joint.type is not JointType.FIXED:
+                    where, factor = self._columns_of(joint)
+                    own = factor * qdot[..., where] @ _screws(joint).T
+                    twist = twist + own
+                    pushed = factor * qddot[..., where] @ _screws(joint).T
+                    acceleration = acceleration + pushed + bracket(twist, own)
+                motions[joint.child] = twist, acceleration
+        found = [np.stack(np.broadcast_arrays(*motions[link]), -2) for link in links]
+        return np.stack(np.broadcast_arrays(*found), -3) if found else np.zeros((*shape, 0, 2, 6))
+
+    def holding_torques(self, q: Array, gravity: Array, loads: Sequence[Load]) -> Array:
+        """Return tau_i = S_i . F_i, F_i what the links beyond joint i are held by."""
+        placements = self._placements(q, self._robot.link_by_name)
+        held = self._held(placements, gravity, loads)
+        torques = np.zeros((*self._load_shape(q, loads), self._robot.nv))
+        for joint in self._outward:
+            if joint.type is not JointType.FIXED:
+                where, factor = self._columns_of(joint)
+                space = carry(placements[joint.child], _screws(joint))
+                torques[..., where] += factor * _apply(np.swapaxes(space, -1, -2), held[joint.child])
+        return torques
+
+    def joint_wrenches(self, q: Array, gravity: Array, loads: Sequence[Load], links: Sequence[str]) -> Array:
+        """Return Ad*(T_link^-1) F_link."""
+        placements = self._placements(q, self._robot.link_by_name)
+        held = self._held(placements, gravity, loads)
+        wrenches = np.empty((*self._load_shape(q, loads), len(links), 6))
+        for i, link in enumerate(links):
+            wrenches[..., i, :] = _apply(coadjoint(se3.inverse(placements[link])), held[link])
+        return wrenches
+
+    def gravity_stiffness(self, q: Array, gravity: Array) -> Array:
+        """Return the Hessian of the potential energy, U = -sum m g . c.
+
+        With l_j = sum of m dc/dq_j over the links beyond joint j, for i before j: d2U/dq_i dq_j = -g . (w_i x l_j),
+        because motion along j displaces masses that joint i turns. Two coordinates of one joint: the one along which
+        the robot is moved carries the other's screw.
+        """
+        placements = self._placements(q, self._robot.link_by_name)
+        mass, moment = self._masses_beyond(placements)
+        folds, spins, momenta, joints = list[Array](), list[Array](), list[Array](), list[Joint]()
+        shape = np.shape(q)[:-1]
+        for joint in self._outward:
+            if joint.type is not JointType.FIXED:
+                where, factor = self._columns_of(joint)
+                for k in range(joint.type.nv):
+                    space = carry(placements[joint.child], _screws(joint)[:, k : k + 1])[..., 0]
+                    spins.append(np.broadcast_to(space[..., 3:], (*shape, 3)))
+                    pushed = mass[joint.child] * space[..., :3] + np.cross(space[..., 3:], moment[joint.child])
+                    momenta.append(np.broadcast_to(pushed, (*shape, 3)))
+                    joints.append(joint)
+                    folds.append(factor * np.eye(self._robot.nv)[:, where][:, k])
+        if not joints:
+            return np.zeros((*shape, 0, 0))
+        fold = np.stack(folds)
+        # turned[i, j] = -g . (w_i x l_j) = -(g x w_i) . l_j
+        turned = -np.cross(np.asarray(gravity), np.stack(spins, -2)) @ np.swapaxes(np.stack(momenta, -2), -1, -2)
+        above = {joint.child: {j.name for j in self._robot.to_root(joint.parent)} for joint in joints}
+        before = np.array([[i.name in above[j.child] for j in joints] for i in joints])
+        after_or_same = np.array([[j.name == i.name or j.name in above[i.child] for j in joints] for i in joints])
+        whole = np.where(before, turned, 0.0) + np.where(after_or_same, np.swapaxes(turned, -1, -2), 0.0)
+        stiffness: Array = fold.T @ whole @ fold
+        return stiffness
+
     def chain(self, frame: str, relative_to: str, point: Sequence[float] = (0.0, 0.0, 0.0)) -> tuple[Chain, list[str]]:
         """Return the chain of screws from one frame to a point of another, and the names of its coordinates.
 
@@ -140,6 +219,56 @@ class ScrewEngine:
             return alone
         followed: Array = law.multiplier * q[..., self._robot.position_slices[law.joint].start] + law.offset
         return followed
+
+    # --- statics -----------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _outward(self) -> list[Joint]:
+        """All joints, each after those between it and the root."""
+        ordered, stack = list[Joint](), [self._robot.root]
+        while stack:
+            below = self._robot.child_joints[stack.pop()]
+            ordered += below
+            stack += [joint.child for joint in below]
+        return ordered
+
+    def _load_shape(self, q: Array, loads: Sequence[Load]) -> tuple[int, ...]:
+        return np.broadcast_shapes(np.shape(q)[:-1], *(np.shape(load.wrench)[:-1] for load in loads))
+
+    def _held(self, placements: dict[str, Array], gravity: Array, loads: Sequence[Load]) -> dict[str, Array]:
+        """Return the wrench by which the link before it (or the ground) holds each link and all beyond it, in space.
+
+        Inward, link to link: F_link = -m g at its centre of mass + what it exerts + sum of F_child.
+        """
+        held: dict[str, Array] = {}
+        for link in self._robot.links:
+            held[link.name] = np.zeros(6)
+            if link.inertial is not None:
+                weight = -link.inertial.mass * np.asarray(gravity, dtype=np.float64)
+                centre = se3.transform(placements[link.name], np.array(link.inertial.origin.xyz))
+                held[link.name] = _through(centre, weight)
+        for load in loads:
+            turn = placements[load.at.expressed_in][..., :3, :3]
+            force, moment = _apply(turn, load.wrench[..., :3]), _apply(turn, load.wrench[..., 3:])
+            exerted = _through(self._point(placements, load.at), force)
+            exerted[..., 3:] += moment
+            held[load.at.of] = held[load.at.of] + exerted
+        for joint in reversed(self._outward):
+            held[joint.parent] = held[joint.parent] + held[joint.child]
+        return held
+
+    def _masses_beyond(self, placements: dict[str, Array]) -> tuple[dict[str, float], dict[str, Array]]:
+        """Return for each link the mass of it and all links beyond it, and the sum of mass times centre, in space."""
+        mass, moment = dict[str, float](), dict[str, Array]()
+        for link in self._robot.links:
+            inertial = link.inertial
+            mass[link.name] = 0.0 if inertial is None else inertial.mass
+            at = _ORIGIN if inertial is None else np.array(inertial.origin.xyz)
+            moment[link.name] = mass[link.name] * se3.transform(placements[link.name], at)
+        for joint in reversed(self._outward):
+            mass[joint.parent] += mass[joint.child]
+            moment[joint.parent] = moment[joint.parent] + moment[joint.child]
+        return mass, moment
 
     # --- columns -----------------------------------------------------------------------------------------------
 
@@ -222,6 +351,12 @@ def _screws(joint: Joint) -> Array:
 def _apply(matrix: Array, vector: Array) -> Array:
     result: Array = (matrix @ vector[..., None])[..., 0]
     return result
+
+
+def _through(point: Array, force: Array) -> Array:
+    """Return the wrench (f ; p x f) about the origin of a force through a point. (..., 3), (..., 3) -> (..., 6)."""
+    force = np.broadcast_to(force, np.broadcast_shapes(np.shape(point), np.shape(force)))
+    return np.concatenate([force, np.cross(point, force)], -1)
 
 
 def _at_point(columns: Array, point: Array) -> Array:

@@ -15,10 +15,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kinetostat.analysis.configuration import Configuration, configuration, joint_rates, random_configurations
+    from kinetostat.analysis.configuration import Configuration, configuration, random_configurations
     from kinetostat.analysis.crosscheck import Certificate
     from kinetostat.analysis.euler import EulerSequence
     from kinetostat.analysis.jacobian import Jacobian, jacobian
+    from kinetostat.analysis.joint_values import joint_rates
     from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
     from kinetostat.analysis.manipulability import Block, Ellipsoid, Manipulability, Transmission, manipulability
     from kinetostat.analysis.singular.at import SingularAt, singular_at
@@ -47,10 +48,11 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "analysis.configuration": ("Configuration", "configuration", "joint_rates", "random_configurations"),
+    "analysis.configuration": ("Configuration", "configuration", "random_configurations"),
     "analysis.crosscheck": ("Certificate",),
     "analysis.euler": ("EulerSequence",),
     "analysis.jacobian": ("Jacobian", "jacobian"),
+    "analysis.joint_values": ("joint_rates",),
     "analysis.kinematics": ("FrameChange", "Placement", "adjoint", "fk"),
     "analysis.manipulability": ("Block", "Ellipsoid", "Manipulability", "Transmission", "manipulability"),
     "analysis.singular.at": ("SingularAt", "singular_at"),

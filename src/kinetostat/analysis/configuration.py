@@ -8,15 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinetostat.analysis.joint_values import Value, described, filled, parsed, scale_angles
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
-from kinetostat.errors import ConfigurationError, UnknownNameError, cut, quote
+from kinetostat.errors import ConfigurationError, UnknownNameError, quote
 from kinetostat.urdf.description import Joint, JointType, Robot
 from kinetostat.urdf.srdf import Semantics
 
-__all__ = ["Configuration", "configuration", "joint_rates", "random_configurations"]
-
-Value = float | Sequence[float]
+__all__ = ["Configuration", "configuration", "random_configurations"]
 
 LARGEST_ANGLE = 1e6  # rad: beyond it an angle has lost its last digits, and a certificate its meaning
 LARGEST_LENGTH = 1e12  # m
@@ -37,7 +36,7 @@ class Configuration:
         """Return the positions (nq,) as they are shown: angles of joints in rad or in degrees."""
         shown = self.q.copy()
         if degrees:
-            _scale_angles(self.robot, shown, self.robot.position_slices, 180 / math.pi)
+            scale_angles(self.robot, shown, self.robot.position_slices, 180 / math.pi)
         return shown
 
     def by_joint(self) -> dict[str, float | list[float]]:
@@ -71,7 +70,7 @@ def configuration(
         ConfigurationError: wrong length, not finite, a value for a fixed or a follower joint.
         UnknownNameError: no such joint or state.
     """
-    robot, warnings = _robot(model), list[str]()
+    robot, warnings = described(model), list[str]()
     if semantics is None:
         semantics = model.semantics if isinstance(model, Model) else Semantics()
     if not isinstance(wanted, str):
@@ -83,51 +82,12 @@ def configuration(
     elif wanted.partition(":")[0] == "random":
         q = random_configurations(robot, _seed(wanted), ())
     else:
-        values = _parse(wanted)
+        values = parsed(wanted)
         if values is None:
             q = _from_state(robot, semantics, wanted, warnings)
         else:
             q = _from_values(robot, values, degrees, quaternion_first)
     return Configuration(robot, q, (*warnings, *_outside_limits(robot, q, degrees)))
-
-
-def _robot(model: Model | Robot) -> Robot:
-    return model.robot if isinstance(model, Model) else model
-
-
-def joint_rates(
-    model: Model | Robot, wanted: str | Mapping[str, Value] | Sequence[float] | Array, *, degrees: bool = False
-) -> Array:
-    """Return joint rates (nv,) in m/s and rad/s.
-
-    Args:
-        model: whose: a model, or the description of a robot.
-        wanted: `j1=0.3,j2=-1.2` (others zero), an ordered list in file order, or the mapping or sequence they mean.
-        degrees: rates given for angles of joints are in degrees per second.
-
-    Raises:
-        ConfigurationError: wrong length, not finite, a rate for a fixed or a follower joint.
-        UnknownNameError: no such joint.
-    """
-    robot = _robot(model)
-    values = _parse(wanted) if isinstance(wanted, str) else wanted
-    if values is None:
-        raise ConfigurationError(
-            f"{quote(str(wanted))} is no list of rates", remedy="write j1=0.3,j2=-1.2 or 0.3,-1.2,..."
-        )
-    rates = np.zeros(robot.nv)
-    names = [name for joint in robot.independent for name in joint.velocity_names]
-    rates = _fill(robot, rates, names, robot.velocity_slices, values, "rate")
-    if degrees:
-        _scale_angles(robot, rates, robot.velocity_slices, math.pi / 180)
-    return rates
-
-
-def _scale_angles(robot: Robot, vector: Array, slices: Mapping[str, slice], factor: float) -> None:
-    """Multiply the angles among positions or velocities in place: a joint's only, a planar joint's last coordinate."""
-    for joint in robot.independent:
-        if joint.type.is_angle or joint.type is JointType.PLANAR:
-            vector[slices[joint.name].stop - 1] *= factor
 
 
 def checked(robot: Robot, q: Array) -> Array:
@@ -200,7 +160,7 @@ def random_configurations(model: Model | Robot, seed: int, shape: int | tuple[in
         seed: the same seed gives the same configurations.
         shape: the leading shape of the batch.
     """
-    robot, shape = _robot(model), (shape,) if isinstance(shape, int) else shape
+    robot, shape = described(model), (shape,) if isinstance(shape, int) else shape
     generator = np.random.default_rng(seed)
     q = np.empty((*shape, robot.nq))
     for joint in robot.independent:
@@ -267,47 +227,13 @@ def _seed(wanted: str) -> int:
     return int(text)
 
 
-def _parse(text: str) -> dict[str, Value] | list[float] | None:
-    """Return the mapping or list that a text writes; None if it is a name."""
-    parts = [part.strip() for part in text.replace("\n", ",").split(",")]
-    if "=" in text:
-        values: dict[str, Value] = {}
-        for part in parts:
-            name, equals, number = part.rpartition("=")
-            numbers = [_number(word) for word in number.split()]
-            if not equals or not numbers:
-                raise ConfigurationError(
-                    f"{quote(part)} is not of the form joint=value",
-                    remedy="write j1=0.3,j2=-1.2; or j=x y z with blanks, where a joint has several",
-                )
-            if name.strip() in values:
-                raise ConfigurationError(f"joint {quote(name.strip())} is given twice")
-            values[name.strip()] = numbers[0] if len(numbers) == 1 else numbers
-        return values
-    words = [word for part in parts for word in part.split()]
-    try:
-        return [float(word) for word in words] if words else None
-    except ValueError:
-        if len(words) > 1 and "," in text:
-            for word in words:
-                _number(word)
-        return None
-
-
-def _number(word: str) -> float:
-    try:
-        return float(word)
-    except ValueError:
-        raise ConfigurationError(f"{quote(word)} is not a number", remedy="write numbers such as 1.5708") from None
-
-
 def _from_values(
     robot: Robot, values: Mapping[str, Value] | Sequence[float] | Array, degrees: bool, quaternion_first: str
 ) -> Array:
     names = [name for joint in robot.independent for name in joint.position_names]
-    q = _fill(robot, neutral(robot), names, robot.position_slices, values, "position")
+    q = filled(robot, neutral(robot), names, robot.position_slices, values, "position")
     if degrees:
-        _scale_angles(robot, q, robot.position_slices, math.pi / 180)
+        scale_angles(robot, q, robot.position_slices, math.pi / 180)
     named = set(values) if isinstance(values, Mapping) else None
     for joint in robot.independent:
         where = robot.position_slices[joint.name]
@@ -323,53 +249,6 @@ def _from_values(
                 raise ConfigurationError(f"the quaternion of joint {quote(joint.name)} has length {norm:.6g}, not 1")
             q[where.start + 3 : where.stop] = rotation / norm
     return q
-
-
-def _fill(
-    robot: Robot,
-    vector: Array,
-    names: list[str],
-    slices: Mapping[str, slice],
-    values: Mapping[str, Value] | Sequence[float] | Array,
-    what: str,
-) -> Array:
-    """Return the vector with the given values put in."""
-    if isinstance(values, Mapping):
-        index = {name: i for i, name in enumerate(names)}
-        for name, value in values.items():
-            if name in index:
-                if not isinstance(value, (int, float)) and np.size(value) != 1:
-                    raise ConfigurationError(f"joint {quote(name)} takes one {what}, not {np.size(value)}")
-                vector[index[name]] = np.reshape(value, ())
-            else:
-                where = slices[robot.independent_joint(name, names).name]
-                if np.size(value) != where.stop - where.start:
-                    raise ConfigurationError(
-                        f"joint {quote(name)} takes {where.stop - where.start} {what}s, not {np.size(value)}",
-                        remedy="separate them by spaces: joint=x y z ...",
-                    )
-                vector[where] = value
-    else:
-        given = np.asarray(values, dtype=np.float64)
-        if given.shape != vector.shape:
-            order = ", ".join(printable_names(names))
-            raise ConfigurationError(
-                f"{given.size} {what}s are given, {len(names)} are needed", remedy=f"in the order {order}"
-            )
-        vector = given.copy()
-    for name, value in zip(names, vector, strict=True):
-        if not math.isfinite(value):
-            raise ConfigurationError(f"the {what} of {quote(name)} is {value}, not a finite number")
-    return vector
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what} is" if count == 1 else f"{count} {what}s are"
-
-
-def printable_names(names: Sequence[str], longest: int = 12) -> list[str]:
-    """Return names quoted for a message, the first dozen."""
-    return [cut(name) for name in names[:longest]] + (["..."] if len(names) > longest else [])
 
 
 def _from_state(robot: Robot, semantics: Semantics, name: str, warnings: list[str]) -> Array:

@@ -32,9 +32,11 @@ from kinetostat.errors import (
     unknown_name,
 )
 
-__all__ = ["Inertial", "Joint", "JointType", "Limit", "Link", "Mimic", "Origin", "Remark", "Robot"]
+__all__ = ["MASSLESS", "Inertial", "Joint", "JointType", "Limit", "Link", "Mimic", "Origin", "Remark", "Robot"]
 
 Vector = tuple[float, float, float]
+
+MASSLESS = "the link counts as massless"  # how a remark ends that says so
 
 
 class JointType(StrEnum):

@@ -9,7 +9,19 @@ import math
 import re
 
 from kinetostat.errors import LimitError, NumberError, StructureError, cut, quote
-from kinetostat.urdf.description import Inertial, Joint, JointType, Limit, Link, Mesh, Mimic, Origin, Robot, Vector
+from kinetostat.urdf.description import (
+    MASSLESS,
+    Inertial,
+    Joint,
+    JointType,
+    Limit,
+    Link,
+    Mesh,
+    Mimic,
+    Origin,
+    Robot,
+    Vector,
+)
 from kinetostat.urdf.document import Document, Element
 from kinetostat.urdf.reading import Reading
 from kinetostat.urdf.tree import root_of, with_leaders
@@ -136,7 +148,7 @@ def _inertial(reading: Reading, link: Element, version: tuple[int, int]) -> Iner
             else:
                 missing.append("mass value" if key == "value" else key)
     if missing:
-        reading.remark(link, f"the inertial has no {', '.join(missing)}: the link counts as massless")
+        reading.remark(link, f"the inertial has no {', '.join(missing)}: {MASSLESS}")
         return None
     kilograms, ixx, ixy, ixz, iyy, iyz, izz = found
     return Inertial(kilograms, origin, (ixx, ixy, ixz, iyy, iyz, izz))

@@ -1,0 +1,215 @@
+"""The worst gravity torque of each joint over all configurations inside limits: sampled, then polished; certified."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinetostat.analysis.configuration import checked, position_range, random_configurations
+from kinetostat.analysis.crosscheck import Certificate
+from kinetostat.analysis.loads import EffortLimits, Payload, carried, checked_gravity, effort_limits
+from kinetostat.analysis.statics import torque
+from kinetostat.conventions import Array, Load
+from kinetostat.engines.model import Model
+from kinetostat.engines.protocol import Engine
+from kinetostat.errors import UsageError, quote
+from kinetostat.urdf.description import Joint, Robot
+
+__all__ = ["WorstTorques", "worst_torques"]
+
+_POLISHED = 16  # of the samples, the worst of which are starts, for each joint
+_AGREE = 1e-6  # of the worst torque: starts that end so near agree
+_ITERATIONS = 200
+_NO_LIMIT = 1e6  # rad or m
+
+
+@dataclass(frozen=True, repr=False)
+class WorstTorques:
+    """The largest torque that weight puts on each joint inside limits. Lower bounds: a worse one is not excluded.
+
+    Attributes:
+        joints: the joints, in file order, each with one coordinate.
+        units: Nm or N.
+        payload: the payload, or None.
+        gravity_vector: the acceleration of gravity, (3,), m/s2.
+        torques: the worst torque of each, signed, (n,).
+        witnesses: the configuration at which it acts, (n, nq).
+        limits: what the joints may give, of all coordinates.
+        utilisation: torque over effort limit in its direction, (n,); NaN where there is none.
+        samples: how many random configurations were looked at.
+        starts: from how many of them the worst was climbed to, for each joint.
+        agreed: how many of those ended at the same torque, (n,).
+        certificate: what the two engines say of the torques at the witnesses.
+        warnings: what is to be said of it.
+    """
+
+    joints: tuple[str, ...]
+    units: tuple[str, ...]
+    payload: Payload | None
+    gravity_vector: Array
+    torques: Array
+    witnesses: Array
+    limits: EffortLimits
+    utilisation: Array
+    samples: int
+    starts: int
+    agreed: Array
+    certificate: Certificate
+    warnings: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<WorstTorques of {len(self.joints)} joints, {self.samples} samples>"
+
+
+def worst_torques(
+    model: Model,
+    q: Array,
+    *,
+    gravity: Sequence[float] | Array | bool = True,
+    payload: Payload | None = None,
+    limits: Mapping[str, float | tuple[float, float]] | None = None,
+    samples: int = 2000,
+    seed: int = 0,
+    progress: Callable[[str, float], None] | None = None,
+) -> WorstTorques:
+    """Return the worst torque of each joint under gravity (and payload) over all configurations inside limits.
+
+    Random configurations, then from the worst of them for each joint a local maximiser inside the limits (L-BFGS-B: C.
+    Zhu, R. Byrd, P. Lu and J. Nocedal, 1997, by SciPy) with the analytic gradient, which is a row of the Hessian of the
+    potential energy. Of the joints that may move and that the torque depends on; joints with several coordinates
+    (floating, planar) are held at q. What it finds is a lower bound of the worst.
+
+    Args:
+        model: the robot.
+        q: one configuration, (nq,): where joints with several coordinates are held.
+        gravity: True (9.81 m/s2 down the root's z) or a vector (3,) in the root's axes.
+        payload: a mass that is held.
+        limits: effort limits of joints instead of the file's: a number, or (lower, upper).
+        samples: how many random configurations.
+        seed: the same seed gives the same samples.
+        progress: told what is being done, and which share of it is.
+
+    Raises:
+        UnknownNameError: no such frame or joint.
+        UsageError: no joint that may move; samples, gravity, payload or limits that cannot be.
+        ConfigurationError: q has another shape, or a number that is not finite.
+    """
+    robot, q, down = model.robot, checked(model.robot, q), checked_gravity(gravity)
+    joints = [joint for joint in robot.independent if joint.type.nq == 1]
+    if not joints or q.ndim != 1:
+        raise UsageError("the worst torque is one of joints with one coordinate each, from one configuration on")
+    if not 1 <= samples <= 1_000_000:
+        raise UsageError(f"between 1 and 1,000,000 samples, not {samples}")
+    drawn = _drawn(robot, q, joints, samples, seed)
+    climb = _Climb(robot, model.engine, down, carried(robot, payload, down), joints)
+    torques = climb.engine.holding_torques(drawn, down, climb.loads)
+    worst, witnesses, agreed = [], [], []
+    for i, joint in enumerate(joints):
+        if progress is not None:
+            progress(f"joint {joint.name}", i / len(joints))
+        found = climb.worst(joint, drawn, torques)
+        best = max(range(len(found)), key=lambda k: abs(found[k][0]))
+        worst.append(found[best][0])
+        witnesses.append(found[best][1])
+        agreed.append(sum(abs(abs(value) - abs(worst[-1])) <= _AGREE * max(1.0, abs(worst[-1])) for value, _ in found))
+    at = np.array(witnesses)
+    proof = torque(model, at, gravity=down, payload=payload, limits=limits)
+    columns = robot.velocity_columns(joints)
+    rows = np.arange(len(joints))
+    return WorstTorques(
+        tuple(joint.name for joint in joints),
+        tuple(proof.units[column] for column in columns),
+        payload,
+        down,
+        proof.total[rows, columns],
+        at,
+        effort_limits(robot, limits),
+        proof.utilisation[rows, columns],
+        samples,
+        min(_POLISHED, samples),
+        np.array(agreed),
+        proof.certificate,
+        (*proof.warnings, *_about_ranges(joints)),
+    )
+
+
+def _drawn(robot: Robot, q: Array, joints: Sequence[Joint], samples: int, seed: int) -> Array:
+    """Return random configurations inside limits, joints with several coordinates as in q. (samples, nq)."""
+    drawn, held = random_configurations(robot, seed, samples), np.ones(robot.nq, dtype=bool)
+    for joint in joints:
+        held[robot.position_slices[joint.name]] = False
+    drawn[:, held] = q[held]
+    return drawn
+
+
+def _about_ranges(joints: Sequence[Joint]) -> list[str]:
+    """Return what is to be said of slides without limits, and of joints that their limits lock."""
+    endless = [j.name for j in joints if not j.type.is_angle and max(map(abs, j.limit.range)) > _NO_LIMIT]
+    locked = [j.name for j in joints if j.limit.range[0] == j.limit.range[1]]
+    lines = []
+    if endless:
+        lines.append(f"no limits of {_named(endless)}: taken within 1 m, on which the answer depends")
+    if locked:
+        lines.append(f"the limits of {_named(locked)} are one position: locked there")
+    return lines
+
+
+def _named(names: Sequence[str]) -> str:
+    return ", ".join(quote(name) for name in names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
+@dataclass(frozen=True)
+class _Climb:
+    """From samples to local maxima of one joint's torque."""
+
+    robot: Robot
+    engine: Engine
+    gravity: Array
+    loads: Sequence[Load]
+    joints: Sequence[Joint]
+
+    def worst(self, joint: Joint, drawn: Array, torques: Array) -> list[tuple[float, Array]]:
+        """Return torque and configuration of the maxima that the worst samples for a joint lead to."""
+        column = self.robot.velocity_slices[joint.name].start
+        order = np.argsort(-np.abs(torques[:, column]), kind="stable")[:_POLISHED]
+        return [self._climbed(column, drawn[i], math.copysign(1.0, torques[i, column])) for i in order]
+
+    def _climbed(self, column: int, start: Array, sign: float) -> tuple[float, Array]:
+        from scipy.optimize import minimize
+
+        where = [self.robot.position_slices[joint.name].start for joint in self.joints]
+        columns = self.robot.velocity_columns(self.joints)
+
+        def descent(x: Array) -> tuple[float, Array]:
+            q = start.copy()
+            q[where] = x
+            value = self.engine.holding_torques(q, self.gravity, self.loads)[column]
+            return -sign * float(value), -sign * self._gradient(q, column)[columns]
+
+        bounds = [_range(self.robot, joint) for joint in self.joints]
+        found = minimize(descent, start[where], jac=True, method="L-BFGS-B", bounds=bounds, options=_OPTIONS)
+        q = start.copy()
+        q[where] = found.x
+        return -sign * float(found.fun), q
+
+    def _gradient(self, q: Array, column: int) -> Array:
+        """Return the gradient of a joint's torque: of the links' weight, and of the payload's, a constant force."""
+        gradient: Array = self.engine.gravity_stiffness(q, self.gravity)[column].copy()
+        for load in self.loads:
+            rates = self.engine.jacobian_rate(q, np.eye(self.robot.nv), load.at)  # of J along each coordinate
+            gradient += rates[:, :, column] @ load.wrench
+        return gradient
+
+
+_OPTIONS = {"maxiter": _ITERATIONS, "ftol": 1e-15, "gtol": 1e-10}
+
+
+def _range(robot: Robot, joint: Joint) -> tuple[float | None, float | None]:
+    """Return the ends that a joint is kept between: none where a turn is without limits."""
+    lower, upper = joint.limit.range
+    if joint.type.is_angle and max(abs(lower), abs(upper)) > _NO_LIMIT:
+        return None, None
+    return position_range(robot, joint)

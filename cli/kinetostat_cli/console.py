@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import typer
 
@@ -18,7 +18,18 @@ if TYPE_CHECKING:
     from kinetostat import Certificate, Configuration, Model
     from kinetostat.report.view import View
 
-__all__ = ["Answer", "configuration", "load", "progress_bar", "say", "triple", "warn", "write_answer"]
+__all__ = [
+    "Answer",
+    "configuration",
+    "exit_if_apart",
+    "load",
+    "opened",
+    "progress_bar",
+    "say",
+    "triple",
+    "warn",
+    "write_answer",
+]
 
 DISAGREE = 4
 
@@ -135,16 +146,32 @@ def write_answer(answer: Answer, output: OutputOptions) -> None:
     """Render an answer once, write it once, and exit with 4 if the engines disagree."""
     warn(answer.warnings)
     text = _rendered(answer, output.format)
-    if output.output is None or output.output == Path("-"):
-        _write_out(text)
-    else:
-        from kinetostat.report.writing import write_whole
+    with opened(output) as write:
+        write(text)
+    exit_if_apart(answer.certificate, answer.model)
 
-        write_whole(output.output, text.encode())
-    certificate = answer.certificate
+
+@contextlib.contextmanager
+def opened(output: OutputOptions) -> Iterator[Callable[[str], None]]:
+    """Yield what writes text to where the result goes: a file that is there whole or not at all, or standard output."""
+    if output.output is None or output.output == Path("-"):
+        yield _write_out
+        return
+    from kinetostat.report.writing import open_whole
+
+    with open_whole(output.output) as file:
+        yield lambda text: _write_to(file, text)
+
+
+def _write_to(file: BinaryIO, text: str) -> None:
+    file.write(text.encode())
+
+
+def exit_if_apart(certificate: Certificate | None, model: Model | None) -> None:
+    """Say so and exit with 4 if the engines disagree."""
     if certificate is not None and certificate.agree is False:
         apart = f"{certificate.max_difference:.3g}, more than {certificate.tolerance:.3g}"
-        file = f"{answer.model.loaded.source.name}: " if answer.model else ""
+        file = f"{model.loaded.source.name}: " if model else ""
         say("error", f"{file}the engines disagree by {apart}: trust neither number")
         raise typer.Exit(DISAGREE)
 

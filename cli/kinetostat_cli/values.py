@@ -10,7 +10,7 @@ from typing import Any
 
 from kinetostat.errors import ConfigurationError, SourceError, UsageError, quote
 
-__all__ = ["numbers", "read_values"]
+__all__ = ["by_joint", "numbers", "read_text", "read_values"]
 
 
 def numbers(text: str, option: str, count: int) -> list[float]:
@@ -32,6 +32,27 @@ def numbers(text: str, option: str, count: int) -> list[float]:
     return values
 
 
+def by_joint(text: str | None, option: str) -> dict[str, float | tuple[float, float]]:
+    """Return what an option says of joints: joint=number, or joint=lower:upper, separated by commas.
+
+    Raises:
+        UsageError: a part is not of that form; a joint is given twice.
+    """
+    found: dict[str, float | tuple[float, float]] = {}
+    for part in [] if text is None else text.split(","):
+        name, _, value = part.strip().rpartition("=")
+        low, both, high = value.partition(":")
+        try:
+            found_one = (float(low), float(high)) if both else float(low)
+        except ValueError:
+            name = ""
+        if not name or name in found:
+            message = f"{option}: {quote(part)} is not of the form joint=number, or a joint is given twice"
+            raise UsageError(message, remedy=f"for instance {option} elbow=50,wrist=-20:35")
+        found[name] = found_one
+    return found
+
+
 def read_values(name: str) -> tuple[Mapping[str, Any] | list[float], bool]:
     """Return joint values from a .json or .csv file, and whether the file is a result of ours, which is in radians.
 
@@ -41,15 +62,24 @@ def read_values(name: str) -> tuple[Mapping[str, Any] | list[float], bool]:
     Raises:
         ConfigurationError: the file cannot be read, or holds no configuration.
     """
+    text = read_text(name)
+    return _from_csv(text, name) if name.lower().endswith(".csv") else _from_json(text, name)
+
+
+def read_text(name: str) -> str:
+    """Return the text of a regular file in UTF-8.
+
+    Raises:
+        ConfigurationError: it cannot be read.
+    """
     from kinetostat.urdf.files import read_file
 
     try:
-        text = read_file(Path(name), name).decode("utf-8-sig")
+        return read_file(Path(name), name).decode("utf-8-sig")
     except SourceError as error:
         raise ConfigurationError(error.message, file=name, remedy=error.remedy) from None
     except UnicodeDecodeError:
         raise ConfigurationError("this is not UTF-8 text", file=name) from None
-    return _from_csv(text, name) if name.lower().endswith(".csv") else _from_json(text, name)
 
 
 def _from_json(text: str, name: str) -> tuple[Mapping[str, Any] | list[float], bool]:

@@ -15,17 +15,32 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from kinetostat.analysis.capacity import ForcePolytope, Strongest, force_polytope, strongest
+    from kinetostat.analysis.accuracy import (
+        ErrorPart,
+        JointResolution,
+        Requirement,
+        ToolError,
+        joint_errors,
+        joint_resolution,
+        tool_error,
+    )
+    from kinetostat.analysis.approach import SingularApproach, singular_approach
     from kinetostat.analysis.configuration import Configuration, configuration, random_configurations
     from kinetostat.analysis.crosscheck import Certificate
     from kinetostat.analysis.euler import EulerSequence
     from kinetostat.analysis.jacobian import Jacobian, jacobian
     from kinetostat.analysis.joint_values import joint_rates
     from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
+    from kinetostat.analysis.loads import EffortLimits, Payload, load_at
     from kinetostat.analysis.manipulability import Block, Ellipsoid, Manipulability, Transmission, manipulability
     from kinetostat.analysis.singular.at import SingularAt, singular_at
     from kinetostat.analysis.singular.find import Family, SingularFamilies, singular_find
+    from kinetostat.analysis.statics import Reactions, Torques, reactions, torque
     from kinetostat.analysis.summary import Chain, Summary, summary
-    from kinetostat.conventions import Order, Reference, Velocity, WrenchOrTwist
+    from kinetostat.analysis.velocity import FrameMotions, InstantaneousScrew, velocity
+    from kinetostat.analysis.worst import WorstTorques, worst_torques
+    from kinetostat.conventions import Load, Order, Reference, Velocity, WrenchOrTwist
     from kinetostat.engines.model import Model, load
     from kinetostat.errors import (
         AmbiguousNameError,
@@ -48,17 +63,32 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "analysis.accuracy": (
+        "ErrorPart",
+        "JointResolution",
+        "Requirement",
+        "ToolError",
+        "joint_errors",
+        "joint_resolution",
+        "tool_error",
+    ),
+    "analysis.approach": ("SingularApproach", "singular_approach"),
+    "analysis.capacity": ("ForcePolytope", "Strongest", "force_polytope", "strongest"),
     "analysis.configuration": ("Configuration", "configuration", "random_configurations"),
     "analysis.crosscheck": ("Certificate",),
     "analysis.euler": ("EulerSequence",),
     "analysis.jacobian": ("Jacobian", "jacobian"),
     "analysis.joint_values": ("joint_rates",),
     "analysis.kinematics": ("FrameChange", "Placement", "adjoint", "fk"),
+    "analysis.loads": ("EffortLimits", "Payload", "load_at"),
     "analysis.manipulability": ("Block", "Ellipsoid", "Manipulability", "Transmission", "manipulability"),
     "analysis.singular.at": ("SingularAt", "singular_at"),
     "analysis.singular.find": ("Family", "SingularFamilies", "singular_find"),
+    "analysis.statics": ("Reactions", "Torques", "reactions", "torque"),
     "analysis.summary": ("Chain", "Summary", "summary"),
-    "conventions": ("Order", "Reference", "Velocity", "WrenchOrTwist"),
+    "analysis.velocity": ("FrameMotions", "InstantaneousScrew", "velocity"),
+    "analysis.worst": ("WorstTorques", "worst_torques"),
+    "conventions": ("Load", "Order", "Reference", "Velocity", "WrenchOrTwist"),
     "engines.model": ("Model", "load"),
     "urdf.description": ("Joint", "JointType", "Link", "Robot"),
 }
@@ -71,48 +101,74 @@ __all__ = [
     "Configuration",
     "ConfigurationError",
     "DisagreementError",
+    "EffortLimits",
     "Ellipsoid",
     "EngineError",
+    "ErrorPart",
     "EulerSequence",
     "Family",
+    "ForcePolytope",
     "FrameChange",
+    "FrameMotions",
+    "InstantaneousScrew",
     "Jacobian",
     "Joint",
+    "JointResolution",
     "JointType",
     "KinetostatError",
     "LimitError",
     "Link",
+    "Load",
     "Manipulability",
     "Model",
     "NumberError",
     "Order",
+    "Payload",
     "Placement",
+    "Reactions",
     "Reference",
     "RepresentationError",
+    "Requirement",
     "Robot",
     "RobotError",
+    "SingularApproach",
     "SingularAt",
     "SingularFamilies",
     "SourceError",
+    "Strongest",
     "StructureError",
     "Summary",
+    "ToolError",
+    "Torques",
     "Transmission",
     "UnknownNameError",
     "UsageError",
     "Velocity",
+    "WorstTorques",
     "WrenchOrTwist",
     "XmlError",
     "adjoint",
     "configuration",
     "fk",
+    "force_polytope",
     "jacobian",
+    "joint_errors",
     "joint_rates",
+    "joint_resolution",
     "load",
+    "load_at",
     "manipulability",
     "random_configurations",
+    "reactions",
+    "singular_approach",
     "singular_at",
     "singular_find",
+    "strongest",
     "summary",
+    "tool_error",
+    "torque",
+    "velocity",
+    "worst_torques",
 ]
 
 

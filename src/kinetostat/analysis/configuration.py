@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 
@@ -21,6 +22,7 @@ LARGEST_ANGLE = 1e6  # rad: beyond it an angle has lost its last digits, and a c
 LARGEST_LENGTH = 1e12  # m
 _NO_LIMIT = 1e6  # rad or m: a larger one is written for "none"
 _SHORTEST_QUATERNION = 1e-9
+_QUATERNION_SLACK = 1e-3  # how far from 1 the length of one that is typed may be
 _LIMIT_SLACK = 1e-9  # a limit typed with ten digits is not exceeded by its own rounding
 
 
@@ -245,10 +247,62 @@ def _from_values(
             norm = float(np.linalg.norm(rotation))
             if norm < _SHORTEST_QUATERNION:
                 raise ConfigurationError(f"the quaternion of joint {quote(joint.name)} is zero")
-            if abs(norm - 1) > 1e-3:
+            if abs(norm - 1) > _QUATERNION_SLACK:
                 raise ConfigurationError(f"the quaternion of joint {quote(joint.name)} has length {norm:.6g}, not 1")
             q[where.start + 3 : where.stop] = rotation / norm
     return q
+
+
+def from_rows(
+    model: Model | Robot,
+    values: Array,
+    names: Sequence[str] | None = None,
+    *,
+    degrees: bool = False,
+    quaternion_first: str = "x",
+) -> Array:
+    """Return configurations (m, nq) of rows of numbers (m, k), checked.
+
+    Args:
+        model: whose: a model, or the description of a robot.
+        values: one configuration a row.
+        names: of the columns: joints, or joint.x, joint.y, ... where a joint has several; others are zero. Default: all
+            coordinates in file order.
+        degrees: angles of joints are in degrees.
+        quaternion_first: "x" if quaternions are given as xyzw, "w" if as wxyz (without names).
+
+    Raises:
+        UnknownNameError: no such joint.
+        ConfigurationError: another count, a number that is not finite or too large, a fixed or a follower joint, a
+            quaternion that has not length 1.
+    """
+    robot = described(model)
+    coordinates = [name for joint in robot.independent for name in joint.position_names]
+    if names is None:
+        names = coordinates
+    places = [coordinates.index(n) if n in coordinates else _no_place(robot, n, coordinates) for n in names]
+    if values.shape[-1] != len(places) or len(set(places)) < len(places):
+        raise ConfigurationError(f"{values.shape[-1]} numbers are given, {len(set(places))} are needed")
+    q = np.tile(neutral(robot), (len(values), 1))
+    q[:, places] = values
+    if degrees:
+        scale_angles(robot, q, robot.position_slices, math.pi / 180)
+    for joint in robot.independent:
+        if joint.type is JointType.FLOATING:
+            part = q[:, robot.position_slices[joint.name]][:, 3:]
+            if quaternion_first == "w" and names is coordinates:
+                part = np.roll(part, -1, axis=1)
+            lengths = np.linalg.norm(part, axis=1, keepdims=True)
+            if not np.all(np.abs(lengths - 1) <= _QUATERNION_SLACK):
+                raise ConfigurationError(f"a quaternion of joint {quote(joint.name)} has not length 1")
+            q[:, robot.position_slices[joint.name].start + 3 : robot.position_slices[joint.name].stop] = part / lengths
+    return checked(robot, q)
+
+
+def _no_place(robot: Robot, name: str, coordinates: Sequence[str]) -> NoReturn:
+    """Say why a name is none of a coordinate."""
+    joint = robot.independent_joint(name, coordinates)
+    raise ConfigurationError(f"joint {quote(joint.name)} has several coordinates", remedy="name them: joint.x, ...")
 
 
 def _from_state(robot: Robot, semantics: Semantics, name: str, warnings: list[str]) -> Array:

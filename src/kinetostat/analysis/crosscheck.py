@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,7 +12,7 @@ from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
 from kinetostat.urdf.description import JointType, Mimic, Robot
 
-__all__ = ["Certificate", "certified", "length_scale"]
+__all__ = ["Certificate", "certified", "combined", "length_scale"]
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,11 @@ def certified(
     # NaN compares false: what is not a number never agrees.
     values = () if difference <= allowed else (value, again)
     return value, Certificate(names, difference, allowed, values)
+
+
+def combined(certificates: Sequence[Certificate]) -> Certificate:
+    """Return the certificate of several results together: that of the one nearest to (or farthest beyond) tolerance."""
+    return max(certificates, key=lambda one: -1.0 if one.max_difference is None else one.max_difference / one.tolerance)
 
 
 def length_scale(robot: Robot, q: Array, point: tuple[float, float, float] | None = None, unit: float = 1.0) -> float:

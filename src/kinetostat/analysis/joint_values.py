@@ -131,7 +131,7 @@ def scale_angles(robot: Robot, vector: Array, slices: Mapping[str, slice], facto
     """Multiply the angles among positions or velocities in place: a joint's only, a planar joint's last coordinate."""
     for joint in robot.independent:
         if joint.type.is_angle or joint.type is JointType.PLANAR:
-            vector[slices[joint.name].stop - 1] *= factor
+            vector[..., slices[joint.name].stop - 1] *= factor
 
 
 def _listed(names: Sequence[str], longest: int = 12) -> list[str]:

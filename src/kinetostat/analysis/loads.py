@@ -25,7 +25,7 @@ __all__ = [
     "effort_limits",
     "effort_units",
     "force_scale",
-    "load",
+    "load_at",
     "load_scale",
 ]
 
@@ -41,7 +41,7 @@ class Payload:
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
-def load(
+def load_at(
     model: Model | Robot,
     frame: str,
     wrench: Sequence[float] | Array,

@@ -126,7 +126,7 @@ def torque(
     Args:
         model: the robot.
         q: configurations (..., nq).
-        wrenches: what acts where; see `load`.
+        wrenches: what acts where; see `load_at`.
         on: whether the robot exerts them on its "environment", or they act on the "robot".
         gravity: weight of the links: True (9.81 m/s2 down the root's z), a vector (3,) in the root's axes, or None.
         payload: a mass that is held; its weight counts in any case, along `gravity` or down the root's z.

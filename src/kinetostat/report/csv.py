@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Iterable, Sequence
 
-from kinetostat.report.view import Table
+from kinetostat.report.view import Cell, Table
 
-__all__ = ["render"]
+__all__ = ["lines", "render"]
 
 
 def render(table: Table) -> str:
-    """Return a table as CSV with a header row.
+    """Return a table as CSV with a header row."""
+    units = table.units or ("",) * len(table.header)
+    header = [f"{name} [{unit}]" if unit else name for name, unit in zip(table.header, units, strict=True)]
+    return lines([header, *table.rows])
+
+
+def lines(rows: Iterable[Sequence[Cell]]) -> str:
+    """Return rows as text: numbers in full precision, an empty cell for None.
 
     Text that a spreadsheet would take for a formula is led by an apostrophe: names come from untrusted files.
     """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    units = table.units or ("",) * len(table.header)
-    writer.writerow(
-        [_safe(f"{name} [{unit}]" if unit else name) for name, unit in zip(table.header, units, strict=True)]
-    )
-    for row in table.rows:
+    for row in rows:
         writer.writerow(
             ["" if cell is None else repr(cell) if isinstance(cell, float) else _safe(cell) for cell in row]
         )

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "adjoint_result",
+    "closing",
     "envelope",
     "fk_result",
     "frames_result",
@@ -28,6 +29,7 @@ __all__ = [
     "jacobian_result",
     "nested",
     "number",
+    "opening",
     "render",
     "robots_result",
 ]
@@ -50,13 +52,24 @@ def envelope(
     warnings: tuple[str, ...] = (),
 ) -> Json:
     """Return what every command's JSON has in common, around its result."""
+    payload = opening(command, model)
+    if at is not None:
+        payload["configuration"] = at.by_joint()
+    return payload | {"result": result} | closing(certificate, warnings)
+
+
+def opening(command: str, model: Model | None) -> Json:
+    """Return what comes before a result: the schema, and which robot."""
     payload: Json = {"schema": f"kinetostat/{command}/1"}
     if model is not None:
         source = model.loaded.source
         payload["robot"] = {"name": model.robot.name, "source": source.name, "sha256": source.sha256}
-    if at is not None:
-        payload["configuration"] = at.by_joint()
-    payload["result"] = result
+    return payload
+
+
+def closing(certificate: Certificate | None, warnings: tuple[str, ...]) -> Json:
+    """Return what comes after a result: the certificate, and the warnings."""
+    payload: Json = {}
     if certificate is not None:
         payload["crosscheck"] = {
             "engines": list(certificate.engines),
@@ -69,8 +82,7 @@ def envelope(
             payload["crosscheck"]["values"] = {engine: nested(value) for engine, value in named}
         if certificate.max_difference is None:
             payload["crosscheck"]["reason"] = "left out by --no-crosscheck"
-    payload["warnings"] = list(warnings)
-    return payload
+    return payload | {"warnings": list(warnings)}
 
 
 def fk_result(result: Placement) -> Json:

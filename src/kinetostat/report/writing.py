@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 from kinetostat.errors import UsageError, quote
 
-__all__ = ["write_whole"]
+__all__ = ["open_whole", "write_whole"]
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -17,22 +20,34 @@ def write_whole(path: Path, content: bytes) -> None:
     Raises:
         UsageError: it cannot be written.
     """
+    with open_whole(path) as file:
+        file.write(content)
+
+
+@contextmanager
+def open_whole(path: Path) -> Iterator[BinaryIO]:
+    """Open a file to write in; it is there, complete, when the block ends without an error, and else as it was.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
     try:
         if path.exists() and not path.is_file():  # a terminal, a pipe: nothing to replace
-            path.write_bytes(content)
+            with path.open("wb") as file:
+                yield file
         else:
-            _replace(path, content)
+            yield from _replaced(path)
     except OSError as error:
         raise UsageError(
             f"cannot write {quote(str(path))}: {error.strerror or error}", remedy="check its folder"
         ) from None
 
 
-def _replace(path: Path, content: bytes) -> None:
+def _replaced(path: Path) -> Iterator[BinaryIO]:
     handle, draft = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}.")
     try:
         with os.fdopen(handle, "wb") as file:
-            file.write(content)
+            yield file
         umask = os.umask(0)
         os.umask(umask)
         Path(draft).chmod(0o666 & ~umask)

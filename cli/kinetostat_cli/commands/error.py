@@ -1,0 +1,163 @@
+"""`kinetostat error`: tool error from joint errors, and the joint resolution that an accuracy needs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from kinetostat.conventions import Reference
+from kinetostat_cli import completion
+from kinetostat_cli.options import (
+    AxesOption,
+    ConfigurationOptions,
+    ExpressedInOption,
+    FrameOption,
+    OutputOptions,
+    PointOption,
+    ReferenceOption,
+    RelativeToOption,
+    RobotOptions,
+    grouped,
+)
+
+__all__ = ["register"]
+
+
+@grouped
+def error(
+    robot: RobotOptions,
+    at: ConfigurationOptions,
+    output: OutputOptions,
+    frame: FrameOption = None,
+    joint_error: Annotated[
+        str | None,
+        typer.Option(
+            metavar="D",
+            help="Errors of the joints in rad (--deg: degrees) and m: one for all that turn, j1=0.001,..., or a list in "
+            "path order.",
+            autocompletion=completion.joints,
+        ),
+    ] = None,
+    accuracy: Annotated[
+        float | None, typer.Option(metavar="A", help="Position accuracy in m: which joint resolution does it need?")
+    ] = None,
+    accuracy_angle: Annotated[
+        float | None, typer.Option(metavar="A", help="Rotation accuracy in rad (--deg: degrees), likewise.")
+    ] = None,
+    approach: Annotated[
+        str | None,
+        typer.Option(
+            metavar="nearest|Q",
+            help="Follow how precision degrades on the way into the nearest singular configuration, or into this one.",
+            autocompletion=completion.configurations,
+        ),
+    ] = None,
+    speed: Annotated[
+        float | None,
+        typer.Option(metavar="V", help="Tool speed of --approach in m/s (rad/s where --axes only turn). Default: 0.1."),
+    ] = None,
+    axes: AxesOption = None,
+    reference: ReferenceOption = Reference.ALIGNED,
+    relative_to: RelativeToOption = None,
+    expressed_in: ExpressedInOption = None,
+    point: PointOption = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw the way of --approach: .svg, .png or .pdf.")
+    ] = None,
+) -> None:
+    """Show the tool error that joint errors make.
+
+    In the worst case and for one sigma; the joint resolution that an accuracy of the tool needs; and how precision
+    degrades on the way into a singular configuration.
+
+    Example: kinetostat error example:ur5_robot -f tool0 -q 0,-1,1.2,0,1,0 --joint-error 0.0005 --accuracy 0.0001
+    """
+    import kinetostat
+    from kinetostat.report.error import error_result, error_view
+
+    if plot is not None:
+        from kinetostat.report.figures import check_suffix
+
+        check_suffix(plot)
+    resolved = accuracy is not None or accuracy_angle is not None
+    if joint_error is None and not resolved and approach is None:
+        raise kinetostat.UsageError(
+            "nothing is asked: the error of the tool, the resolution of joints, or the way into a singularity",
+            remedy="give --joint-error, --accuracy, --accuracy-angle or --approach",
+        )
+    _refuse(approach is None, {"--axes": axes, "--speed": speed, "--plot": plot}, "belongs to --approach")
+    _refuse(approach is not None, {"--expressed-in": expressed_in}, "does not go with --approach")
+    model = load(robot, output)
+    tip = model.robot.frame(frame or model.robot.default_tip())
+    q = configuration(model, at)
+    at_point = triple(point, "--point")
+    errors = None
+    if joint_error is not None:
+        errors = kinetostat.joint_errors(model, tip, joint_error, relative_to=relative_to, degrees=at.deg)
+    result = resolution = way = None
+    if joint_error is not None or resolved:
+        result = kinetostat.tool_error(
+            model,
+            tip,
+            q.q,
+            errors,
+            reference=reference,
+            relative_to=relative_to,
+            expressed_in=expressed_in,
+            point=at_point,
+        )
+    if result is not None and resolved:
+        angle = math.radians(accuracy_angle) if accuracy_angle is not None and at.deg else accuracy_angle
+        resolution = kinetostat.joint_resolution(result, accuracy=accuracy, accuracy_angle=angle)
+    if approach is not None:
+        way = kinetostat.singular_approach(
+            model,
+            tip,
+            q.q,
+            None if approach == "nearest" else configuration(model, replace(at, config=approach)).q,
+            joint_error=errors,
+            axes=axes,
+            reference=reference,
+            relative_to=relative_to,
+            point=at_point,
+            speed=0.1 if speed is None else speed,
+        )
+    if plot is not None and way is not None:
+        from kinetostat.report.figures import approach_figure, save
+
+        save(approach_figure(way, degrees=at.deg), plot)
+    found = [part for part in (result, way) if part is not None]
+    write_answer(
+        Answer(
+            "error",
+            lambda: error_view(result, resolution, way, q, degrees=at.deg),
+            lambda: error_result(result, resolution, way),
+            model,
+            q,
+            _worse([part.certificate for part in found]),
+            tuple(line for part in (result, resolution, way) if part is not None for line in part.warnings),
+        ),
+        output,
+    )
+
+
+def _refuse(wrong: bool, options: dict[str, object], why: str) -> None:
+    """Refuse the first option that is given where it means nothing."""
+    import kinetostat
+
+    given = next((name for name, value in options.items() if value is not None), None)
+    if wrong and given is not None:
+        remedy = "add --approach nearest" if why.startswith("belongs") else "leave it out, or use --reference local"
+        raise kinetostat.UsageError(f"{given} {why}", remedy=remedy)
+
+
+def _worse(certificates: list[Certificate]) -> Certificate:
+    """Return the certificate that came closer to its tolerance, or that is beyond it."""
+    return max(certificates, key=lambda one: (one.agree is False, (one.max_difference or 0.0) / one.tolerance))
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(error)

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
 
-from kinetostat.analysis.configuration import neutral, position_range
+from kinetostat.analysis.configuration import neutral
+from kinetostat.analysis.coordinates import Coordinates, coordinates
 from kinetostat.analysis.jacobian import checked_point
-from kinetostat.analysis.task import FULL, TRANSLATION, Task, turning_columns
-from kinetostat.conventions import Array, Flags, Reference, Velocity
+from kinetostat.analysis.task import FULL, TRANSLATION, Task
+from kinetostat.conventions import Array, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.engines.screw import ScrewEngine
 from kinetostat.errors import UsageError, quote
 from kinetostat.screw import se3
-from kinetostat.screw.chain import Chain
-from kinetostat.urdf.description import Joint, JointType, Robot
+from kinetostat.urdf.description import Robot
 
 __all__ = ["EXACT", "MODEL", "STRICT", "Mechanism", "mechanism"]
 
@@ -29,11 +29,10 @@ _SAMPLES = 32  # configurations that decide the generic rank and the unit of len
 _SEED = 0
 _NO_LENGTH = 1e-9  # of the robot's reach: a distance below it is rounding
 _ROUNDED = 1e-3  # rad: what a rounded angle is off
-_SLACK = 1e-5  # a limit typed with six digits is not exceeded by its own rounding
 
 
 @dataclass(frozen=True, repr=False)
-class Mechanism:
+class Mechanism(Coordinates):
     """The joints between an observer and a tool point, and the rows of the tool's twist that count.
 
     Its Jacobian is a matrix of pure numbers: linear rows are in units of the length L, and so are slides. Coordinates
@@ -42,43 +41,22 @@ class Mechanism:
     point far out does not drown what the joints can do.
 
     Attributes:
-        model: the robot.
         velocity: the label of its Jacobian: of which point, relative to the observer, in its axes or in the tool's.
         point: the tool point in the frame's coordinates, m.
         task: the rows that count, m of them.
-        chain: the screws, to the point of `velocity`.
-        names: names of the n coordinates, in path order.
-        joints: the joint of each coordinate.
-        turning: whether each coordinate is an angle.
-        indices: where each coordinate is in the robot's configuration.
         length: L, in m: the root mean square distance of the joints' axes from the point of `velocity`.
         generic_rank: r, the rank at almost every configuration.
     """
 
-    model: Model
     velocity: Velocity
     point: tuple[float, float, float]
     task: Task
-    chain: Chain
-    names: tuple[str, ...]
-    joints: tuple[Joint, ...]
-    turning: tuple[bool, ...]
-    indices: tuple[int, ...]
     length: float
     generic_rank: int
 
     def __repr__(self) -> str:
         frames = f"{quote(self.velocity.of)} relative to {quote(self.velocity.relative_to)}"
         return f"<Mechanism {frames}: {len(self.names)} joints, rank {self.generic_rank} of {len(self.task.rows)}>"
-
-    @cached_property
-    def periodic(self) -> tuple[bool, ...]:
-        """Whether the arm is the same a whole turn on: angles that drive no pitch, and followers by whole numbers."""
-        v, w = self.chain.screws[:3], self.chain.screws[3:]
-        no_pitch = np.abs(np.sum(v * w, axis=0)) < 1e-12 * (1 + np.linalg.norm(v, axis=0))
-        whole = np.abs(self.chain.fold - np.round(self.chain.fold)) < 1e-12
-        each = np.all((whole & no_pitch[:, None]) | (self.chain.fold == 0), axis=0)
-        return tuple(bool(same and turns) for same, turns in zip(each, self.turning, strict=True))
 
     @cached_property
     def rounded(self) -> bool:
@@ -134,73 +112,10 @@ class Mechanism:
         values = np.linalg.svd(self.jacobian(q), compute_uv=False)
         return np.asarray(values[..., self.generic_rank - 1], dtype=np.float64)
 
-    def draw(self, generator: np.random.Generator, shape: tuple[int, ...], *, limited: bool = False) -> Array:
-        """Return random coordinates (*shape, n): angles of a whole turn, others inside limits; or all inside limits."""
-        lower, upper = self.limits if limited else self.spans
-        drawn: Array = lower + (upper - lower) * generator.random((*shape, len(self.names)))
-        return drawn
-
-    @cached_property
-    def limits(self) -> tuple[Array, Array]:
-        """Lower and upper ends of each coordinate: its limits, or what stands for a missing one. (n,), (n,)."""
-        robot = self.model.robot
-        ranges = [
-            position_range(robot, joint) if joint.type.nq == 1 else ((-math.pi, math.pi) if turns else (-1.0, 1.0))
-            for joint, turns in zip(self.joints, self.turning, strict=True)
-        ]
-        lower, upper = np.array([ends[0] for ends in ranges]), np.array([ends[1] for ends in ranges])
-        locked = (upper - lower < _SLACK) & ~np.array(self.turning)  # a slide that cannot move has columns all the same
-        return np.where(locked, lower - 0.5, lower), np.where(locked, upper + 0.5, upper)
-
-    @cached_property
-    def stated_limits(self) -> tuple[Array, Array]:
-        """Lower and upper limits as the file states them, infinite where it states none. (n,), (n,)."""
-        single = [joint.limit.range if joint.type.nq == 1 else (-math.inf, math.inf) for joint in self.joints]
-        return np.array([ends[0] for ends in single]), np.array([ends[1] for ends in single])
-
-    @cached_property
-    def spans(self) -> tuple[Array, Array]:
-        """Ends to draw between when limits of angles do not count: a whole turn; limits, where turns do not repeat."""
-        lower, upper = self.limits
-        periodic = np.array(self.periodic)
-        return np.where(periodic, -math.pi, lower), np.where(periodic, math.pi, upper)
-
-    def into_limits(self, q: Array) -> Array:
-        """Return coordinates with angles turned by whole turns into their limits, or else into (-pi, pi]. (..., n)."""
-        lower, _ = self.stated_limits
-        wrapped = self.wrapped(q)
-        start = np.where(np.isfinite(lower) & np.array(self.periodic), lower, wrapped)
-        turns = 2 * math.pi * np.ceil((start - _SLACK - wrapped) / (2 * math.pi))
-        least = wrapped + np.where(self.periodic, turns, 0.0)
-        return np.where(self._between(wrapped), wrapped, np.where(self._between(least), least, wrapped))
-
-    def wrapped(self, q: Array) -> Array:
-        """Return coordinates with angles that repeat in (-pi, pi]. (..., n)."""
-        return np.where(self.periodic, math.pi - np.remainder(math.pi - q, 2 * math.pi), q)
-
     def difference(self, a: Array, b: Array) -> Array:
         """Return a - b in coordinate units, angles that repeat by the shorter way round. (..., n) -> (..., n)."""
         gap = (np.asarray(a) - np.asarray(b)) / self.units
         return np.where(self.periodic, np.remainder(gap + math.pi, 2 * math.pi) - math.pi, gap)
-
-    def inside(self, q: Array) -> Flags:
-        """Return for each coordinate whether it is inside its limits, angles by whole turns. (..., n) -> (..., n)."""
-        return self._between(self.into_limits(q))
-
-    def within(self, q: Array) -> bool:
-        """Return whether coordinates as they stand are inside their limits. (n,)."""
-        return bool(np.all(self._between(q)))
-
-    def _between(self, q: Array) -> Flags:
-        lower, upper = self.stated_limits
-        between: Flags = (q >= lower - _SLACK) & (q <= upper + _SLACK)
-        return between
-
-    def configuration(self, q: Array, rest: Array) -> Array:
-        """Return configurations of the whole robot: q put into `rest`. (..., n), (nq,) -> (..., nq)."""
-        whole = np.broadcast_to(rest, (*np.shape(q)[:-1], rest.shape[-1])).copy()
-        whole[..., list(self.indices)] = q
-        return whole
 
 
 def mechanism(
@@ -239,19 +154,10 @@ def mechanism(
     if reference is Reference.WORLD:
         raise UsageError("rows that count are those of a tool point", remedy="use reference aligned or local")
     velocity = Velocity.by_reference(reference, of, observer, point=at)
-    joints = robot.moving_joints(observer, of)
-    floating = next((joint for joint in joints if joint.type is JointType.FLOATING), None)
-    if floating is not None:
-        raise UsageError(
-            f"floating joint {quote(floating.name)} moves {quote(of)} any way: nothing there is ever singular",
-            remedy=f"--relative-to {floating.child}, the link that it carries",
-        )
-    engine = ScrewEngine(robot)
-    chain, names = engine.chain(of, observer, at)
-    each = [joint for joint in joints for _ in range(joint.type.nq)]
-    indices = [i for joint in joints for i in range(*robot.position_slices[joint.name].indices(robot.nq))]
-    turning = turning_columns(joints)
-    draft = Mechanism(model, velocity, at, FULL, chain, tuple(names), tuple(each), turning, tuple(indices), 1.0, 1)
+    joints = coordinates(model, of, observer, at)
+    chain, turning, engine = joints.chain, joints.turning, ScrewEngine(robot)
+    parts = {part.name: getattr(joints, part.name) for part in fields(joints)}
+    draft = Mechanism(**parts, velocity=velocity, point=at, task=FULL, length=1.0, generic_rank=1)
     q = draft.draw(np.random.default_rng(_SEED), (_SAMPLES,))
     task = _natural_task(chain.jacobian(q), robot.reach) if axes is None else Task.named(axes)
     if len(task.rows) == 6:

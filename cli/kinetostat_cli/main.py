@@ -16,7 +16,19 @@ from kinetostat_cli.options import joined_axes
 
 __all__ = ["COMMANDS", "build", "main", "run"]
 
-COMMANDS = ("robots", "info", "frames", "fk", "jacobian", "adjoint", "manipulability", "singular", "error", "torque", "velocity")
+COMMANDS = (
+    "robots",
+    "info",
+    "frames",
+    "fk",
+    "jacobian",
+    "adjoint",
+    "manipulability",
+    "singular",
+    "error",
+    "torque",
+    "velocity",
+)
 
 BUG = 70
 INTERRUPTED = 130

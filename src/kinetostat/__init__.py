@@ -15,7 +15,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kinetostat.analysis.capacity import ForcePolytope, Strongest, force_polytope, strongest
     from kinetostat.analysis.accuracy import (
         ErrorPart,
         JointResolution,
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
         tool_error,
     )
     from kinetostat.analysis.approach import SingularApproach, singular_approach
+    from kinetostat.analysis.capacity import ForcePolytope, Strongest, force_polytope, strongest
     from kinetostat.analysis.configuration import Configuration, configuration, random_configurations
     from kinetostat.analysis.crosscheck import Certificate
     from kinetostat.analysis.euler import EulerSequence

@@ -142,8 +142,7 @@ def velocity(
     def both(engine: Engine) -> Array:
         return _numbers(engine, q, qdot, qddot, names, observer, axes)
 
-    scale = length_scale(robot, q)
-    value, certificate = certified(model, both, scale, _speed(robot, qdot, qddot))
+    value, certificate = certified(model, both, length_scale(robot, q), _speed(robot, qdot, qddot))
     parts = [value[..., 6 * i : 6 * i + 6] for i in range(value.shape[-1] // 6)]
     origin, body_twist, twist = value[..., -3:], parts[0], parts[1]
     units = tuple(unit for joint in robot.independent for unit in velocity_units(joint))
@@ -160,7 +159,7 @@ def velocity(
         twist,
         None if qddot is None else parts[2],
         None if qddot is None else parts[3],
-        _screw(origin, twist, _zero(qdot, units, scale)),
+        _screw(origin, twist, _zero(robot, q, qdot, units)),
         certificate,
     )
 
@@ -216,11 +215,13 @@ def _speed(robot: Robot, qdot: Array, qddot: Array | None) -> float:
     return max(rates, robot.largest_multiplier * rates**2 + pushed)
 
 
-def _zero(qdot: Array, units: Sequence[str], scale: float) -> Array:
-    """Return the largest |v| and |w| that may be rounding: the certificate's 1e-12, of these rates alone. (..., 2)."""
+def _zero(robot: Robot, q: Array, qdot: Array, units: Sequence[str]) -> Array:
+    """Return the largest |v| and |w| that may be rounding: the certificate's 1e-12, at these rates. (..., 2)."""
     turns = np.array([unit == "rad/s" for unit in units], dtype=bool)
     turning, sliding = (np.sum(np.abs(qdot[..., part]), -1) for part in (turns, ~turns))
-    return tolerance(scale) * np.stack([turning + sliding, turning], -1)
+    without_lengths = length_scale(robot, q, unit=np.inf)  # angles lose digits, but none to lengths
+    rounding = [tolerance(length_scale(robot, q)) * (turning + sliding), tolerance(without_lengths) * turning]
+    return np.stack(rounding, -1)
 
 
 def _screw(origin: Array, twist: Array, zero: Array) -> InstantaneousScrew:

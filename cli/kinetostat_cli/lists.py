@@ -193,9 +193,9 @@ def _floats(rows: Sequence[Row]) -> Array | None:
         return None
 
 
-def _wrong(row: Sequence[Any]) -> str:
+def _wrong(row: Row) -> str:
     """Return the first cell of a row that is no number."""
-    return next(str(cell) for cell in row if _floats([[cell]]) is None)
+    return next((str(cell) for cell in row if _floats([[cell]]) is None), "")
 
 
 def _rows(file: Path) -> Iterator[Row]:

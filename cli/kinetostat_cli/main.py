@@ -24,10 +24,11 @@ COMMANDS = (
     "jacobian",
     "adjoint",
     "manipulability",
-    "singular",
-    "error",
     "torque",
     "velocity",
+    "ik",
+    "error",
+    "singular",
 )
 
 BUG = 70

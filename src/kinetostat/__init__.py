@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from kinetostat.analysis.configuration import Configuration, configuration, random_configurations
     from kinetostat.analysis.crosscheck import Certificate
     from kinetostat.analysis.euler import EulerSequence
+    from kinetostat.analysis.inverse.ik import InverseKinematics, Solutions, ik, ik_all
+    from kinetostat.analysis.inverse.pose import Pose, pose
     from kinetostat.analysis.jacobian import Jacobian, jacobian
     from kinetostat.analysis.joint_values import joint_rates
     from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
@@ -77,6 +79,8 @@ _HOMES = {
     "analysis.configuration": ("Configuration", "configuration", "random_configurations"),
     "analysis.crosscheck": ("Certificate",),
     "analysis.euler": ("EulerSequence",),
+    "analysis.inverse.ik": ("InverseKinematics", "Solutions", "ik", "ik_all"),
+    "analysis.inverse.pose": ("Pose", "pose"),
     "analysis.jacobian": ("Jacobian", "jacobian"),
     "analysis.joint_values": ("joint_rates",),
     "analysis.kinematics": ("FrameChange", "Placement", "adjoint", "fk"),
@@ -111,6 +115,7 @@ __all__ = [
     "FrameChange",
     "FrameMotions",
     "InstantaneousScrew",
+    "InverseKinematics",
     "Jacobian",
     "Joint",
     "JointResolution",
@@ -125,6 +130,7 @@ __all__ = [
     "Order",
     "Payload",
     "Placement",
+    "Pose",
     "Reactions",
     "Reference",
     "RepresentationError",
@@ -134,6 +140,7 @@ __all__ = [
     "SingularApproach",
     "SingularAt",
     "SingularFamilies",
+    "Solutions",
     "SourceError",
     "Strongest",
     "StructureError",
@@ -151,6 +158,8 @@ __all__ = [
     "configuration",
     "fk",
     "force_polytope",
+    "ik",
+    "ik_all",
     "jacobian",
     "joint_errors",
     "joint_rates",
@@ -158,6 +167,7 @@ __all__ = [
     "load",
     "load_at",
     "manipulability",
+    "pose",
     "random_configurations",
     "reactions",
     "singular_approach",

@@ -92,6 +92,18 @@ class Coordinates:
         least = wrapped + np.where(self.periodic, turns, 0.0)
         return np.where(self._between(wrapped), wrapped, np.where(self._between(least), least, wrapped))
 
+    def near(self, q: Array, origin: Array) -> Array:
+        """Return coordinates with angles turned by whole turns to the one nearest to `origin` that limits allow.
+
+        As `into_limits` where they allow none. (..., n), (..., n) -> (..., n).
+        """
+        near = np.where(self.periodic, origin + self.wrapped(q - origin), q)
+        chosen = self.into_limits(q)
+        for turns in (1, -1, 0):
+            there = near + np.where(self.periodic, 2 * math.pi * turns, 0.0)
+            chosen = np.where(self._between(there), there, chosen)
+        return chosen
+
     def wrapped(self, q: Array) -> Array:
         """Return coordinates with angles that repeat in (-pi, pi]. (..., n)."""
         return np.where(self.periodic, math.pi - np.remainder(math.pi - q, 2 * math.pi), q)

@@ -19,6 +19,7 @@ import numpy as np
 
 from kinetostat.conventions import Array
 from kinetostat.errors import UsageError, unknown_name
+from kinetostat.screw.so3 import about
 
 __all__ = ["EulerSequence", "sequence_names"]
 
@@ -96,6 +97,14 @@ class EulerSequence:
         third = np.arctan2(row[..., d] if (d - c) % 3 == 1 else -row[..., d], row[..., b])
         angles = np.stack([first, second, third], -1)
         return angles[..., ::-1] if self.fixed else angles
+
+    def rotation(self, angles: Array) -> Array:
+        """Return the rotation of three angles in listed order. Shapes (..., 3) -> (..., 3, 3), angles in rad."""
+        angles = np.asarray(angles, dtype=np.float64)
+        angles = angles[..., ::-1] if self.fixed else angles
+        first, second, third = (about(_AXES.index(a), angles[..., i]) for i, a in enumerate(self.intrinsic))
+        turned: Array = first @ second @ third
+        return turned
 
     def rate_map(self, rotation: Array) -> Array:
         """Return E with w = E (rates in listed order), by the axes that the three turns are about.

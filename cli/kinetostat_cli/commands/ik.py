@@ -1,0 +1,155 @@
+"""`kinetostat ik`: joints from a pose."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated, Any
+
+import typer
+
+from kinetostat.conventions import Reference
+from kinetostat_cli.console import Answer, configuration, load, triple, write_answer
+from kinetostat_cli.lists import Answers, ListOption, answer_list
+from kinetostat_cli.options import (
+    AxesOption,
+    ConfigurationOptions,
+    FrameOption,
+    OutputOptions,
+    PointOption,
+    ReferenceOption,
+    RelativeToOption,
+    RobotOptions,
+    grouped,
+)
+
+__all__ = ["register"]
+
+
+class Method(StrEnum):
+    """How a configuration is looked for."""
+
+    DAMPED = "damped"
+    NEWTON = "newton"
+    PSEUDO_INVERSE = "pseudo-inverse"
+
+
+@grouped
+def ik(
+    robot: RobotOptions,
+    at: ConfigurationOptions,
+    output: OutputOptions,
+    pose: Annotated[
+        str | None,
+        typer.Option(
+            metavar="POSE",
+            help="X,Y,Z in m; 6 numbers with roll, pitch, yaw; 7 with a quaternion; 12 or 16 of a matrix; 'X,Y,Z "
+            "NOTATION A,B,C' (rpy, xyzw, wxyz, rotvec, axis-angle, zyz, ...); or @FILE.json, a result of fk.",
+        ),
+    ] = None,
+    frame: FrameOption = None,
+    relative_to: RelativeToOption = None,
+    point: PointOption = None,
+    axes: AxesOption = None,
+    reference: ReferenceOption = Reference.ALIGNED,
+    method: Annotated[
+        Method,
+        typer.Option(
+            help="damped: inside limits, with restarts. newton: Newton-Raphson. pseudo-inverse: rates, or --step F."
+        ),
+    ] = Method.DAMPED,
+    step: Annotated[
+        float | None, typer.Option(metavar="F", help="Share of the way that a pseudo-inverse step goes, in (0, 1].")
+    ] = None,
+    trace: Annotated[bool, typer.Option("--trace", help="Show the steps of newton and pseudo-inverse.")] = False,
+    every: Annotated[bool, typer.Option("--all", help="List all distinct solutions.")] = False,
+    tries: Annotated[
+        int, typer.Option(min=1, metavar="N", help="Starts of method damped at most; the first is -q.")
+    ] = 100,
+    seed: Annotated[int, typer.Option(min=0, metavar="N", help="Of the random starts.")] = 0,
+    qs: ListOption = None,
+) -> None:
+    """Find joint positions for a pose.
+
+    From the configuration -q on; every solution is checked by forward kinematics on both engines. An unreachable pose
+    is told with what the nearest configuration misses.
+
+    Example: kinetostat ik example:panda -f panda_hand -q default --pose '0.4,0.2,0.5 rpy 3.14,0,0'
+    """
+    import kinetostat
+    from kinetostat.report import ik as report
+
+    if pose is None:
+        raise kinetostat.UsageError("no pose is asked for", remedy="for instance --pose 0.4,0.2,0.5")
+    model = load(robot, output)
+    tip = model.robot.frame(frame or model.robot.default_tip())
+    goal = _pose(pose, at)
+    aim: Any = {
+        "axes": axes,
+        "reference": reference,
+        "relative_to": relative_to,
+        "point": triple(point, "--point"),
+        "seed": seed,
+    }
+    way: Any = {"method": method.value, "step": step, "tries": tries}
+    if qs is not None:
+        if every:
+            raise kinetostat.UsageError("--all is of one configuration", remedy="leave out --qs")
+        answer_list(
+            "ik",
+            model,
+            qs,
+            at,
+            output,
+            lambda q: Answers(*report.ik_columns(kinetostat.ik(model, tip, goal, q, **aim, **way), model.robot)),
+        )
+        return
+    q = configuration(model, at)
+    if every:
+        found = kinetostat.ik_all(model, tip, goal, q.q, **aim)
+        write_answer(
+            Answer(
+                "ik",
+                lambda: report.solutions_view(found, q, degrees=at.deg),
+                lambda: report.solutions_result(found, q),
+                model,
+                q,
+                found.certificate,
+            ),
+            output,
+        )
+        return
+    result = kinetostat.ik(model, tip, goal, q.q, **aim, **way)
+    write_answer(
+        Answer(
+            "ik",
+            lambda: report.ik_view(result, q, trace=trace, degrees=at.deg),
+            lambda: report.ik_result(result, q),
+            model,
+            q,
+            result.certificate,
+            result.warnings,
+        ),
+        output,
+    )
+
+
+def _pose(text: str, at: ConfigurationOptions) -> Any:
+    """Return the pose of an option, or of the JSON that fk has written."""
+    import kinetostat
+
+    if not text.startswith("@"):
+        return kinetostat.pose(text, degrees=at.deg, quaternion_first=at.quat.value[0])
+    import json
+
+    from kinetostat_cli.values import read_text
+
+    try:
+        return kinetostat.pose(json.loads(read_text(text[1:]))["result"]["matrix"])
+    except (ValueError, KeyError, TypeError, RecursionError):
+        remedy = "write it by: kinetostat fk ... -F json -o FILE"
+        raise kinetostat.UsageError(f"no result of fk in {text[1:]}", remedy=remedy) from None
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(ik)

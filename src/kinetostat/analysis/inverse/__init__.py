@@ -1,0 +1,1 @@
+"""Inverse kinematics: poses, textbook iterations, a robust solver, all solutions."""

@@ -26,6 +26,7 @@ COMMANDS = (
     "manipulability",
     "torque",
     "velocity",
+    "rates",
     "ik",
     "error",
     "singular",

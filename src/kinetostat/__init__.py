@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
     from kinetostat.analysis.loads import EffortLimits, Payload, load_at
     from kinetostat.analysis.manipulability import Block, Ellipsoid, Manipulability, Transmission, manipulability
+    from kinetostat.analysis.rates import ResolvedRates, resolved_rates
     from kinetostat.analysis.singular.at import SingularAt, singular_at
     from kinetostat.analysis.singular.find import Family, SingularFamilies, singular_find
     from kinetostat.analysis.statics import Reactions, Torques, reactions, torque
@@ -86,6 +87,7 @@ _HOMES = {
     "analysis.kinematics": ("FrameChange", "Placement", "adjoint", "fk"),
     "analysis.loads": ("EffortLimits", "Payload", "load_at"),
     "analysis.manipulability": ("Block", "Ellipsoid", "Manipulability", "Transmission", "manipulability"),
+    "analysis.rates": ("ResolvedRates", "resolved_rates"),
     "analysis.singular.at": ("SingularAt", "singular_at"),
     "analysis.singular.find": ("Family", "SingularFamilies", "singular_find"),
     "analysis.statics": ("Reactions", "Torques", "reactions", "torque"),
@@ -135,6 +137,7 @@ __all__ = [
     "Reference",
     "RepresentationError",
     "Requirement",
+    "ResolvedRates",
     "Robot",
     "RobotError",
     "SingularApproach",
@@ -170,6 +173,7 @@ __all__ = [
     "pose",
     "random_configurations",
     "reactions",
+    "resolved_rates",
     "singular_approach",
     "singular_at",
     "singular_find",

@@ -152,7 +152,7 @@ class ConfigurationOptions:
         bool,
         typer.Option(
             "--deg",
-            help="Read and show joint angles in degrees, --qdot too. JSON, and a result read back, are in radians.",
+            help="Read and show joint angles and rates in degrees. JSON, and a result read back, are in radians.",
         ),
     ] = False
     quat: Annotated[Quaternion, typer.Option(help="Order in which quaternions of floating joints are read.")] = (

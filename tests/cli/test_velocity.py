@@ -284,7 +284,7 @@ def test_rates_are_needed(refused):
         (("--qdot", "1,nan"), "not a finite number"),
         (("--qdot", "1e13,0"), "beyond 1e+12"),
         (("--qdot", "elbow=1"), "no joint 'elbow'"),
-        (("--qdot", "1,1", "--qddot", "1"), "accelerations"),
+        (("--qdot", "1,1", "--qddot", "1"), "acceleration is given"),
         (("--qdot", "1,1", "--qddot", "fast"), "accelerations"),
         (("--qdot", "1,1", "-f", "tol"), "no frame 'tol'"),
         (("--qdot", "1,1", "--relative-to", "joint1"), "is a joint, not a frame"),

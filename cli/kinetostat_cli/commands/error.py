@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from kinetostat.conventions import Reference
 from kinetostat_cli import completion
+from kinetostat_cli.console import Answer, configuration, load, triple, write_answer
 from kinetostat_cli.options import (
     AxesOption,
     ConfigurationOptions,
@@ -21,6 +24,9 @@ from kinetostat_cli.options import (
     RobotOptions,
     grouped,
 )
+
+if TYPE_CHECKING:
+    from kinetostat import Certificate
 
 __all__ = ["register"]
 
@@ -35,7 +41,7 @@ def error(
         str | None,
         typer.Option(
             metavar="D",
-            help="Errors of the joints in rad (--deg: degrees) and m: one for all that turn, j1=0.001,..., or a list in "
+            help="Errors of joints in rad (--deg: degrees) and m: one for all that turn, j1=0.001,..., or a list in "
             "path order.",
             autocompletion=completion.joints,
         ),
@@ -72,7 +78,7 @@ def error(
     In the worst case and for one sigma; the joint resolution that an accuracy of the tool needs; and how precision
     degrades on the way into a singular configuration.
 
-    Example: kinetostat error example:ur5_robot -f tool0 -q 0,-1,1.2,0,1,0 --joint-error 0.0005 --accuracy 0.0001
+    Example: kinetostat error example:ur5_robot -f tool0 --joint-error 0.001
     """
     import kinetostat
     from kinetostat.report.error import error_result, error_view

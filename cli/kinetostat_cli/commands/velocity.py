@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from kinetostat.conventions import Order
 from kinetostat_cli import completion
 from kinetostat_cli.console import Answer, configuration, load, write_answer
+from kinetostat_cli.lists import Answers, ListOption, answer_list
 from kinetostat_cli.options import (
     ConfigurationOptions,
     ExpressedInOption,
@@ -18,6 +19,10 @@ from kinetostat_cli.options import (
     RobotOptions,
     grouped,
 )
+
+if TYPE_CHECKING:
+    from kinetostat import FrameMotions
+    from kinetostat.conventions import Array
 
 __all__ = ["register"]
 
@@ -47,6 +52,7 @@ def velocity(
     relative_to: RelativeToOption = None,
     expressed_in: ExpressedInOption = None,
     order: OrderOption = Order.LINEAR_FIRST,
+    qs: ListOption = None,
 ) -> None:
     """Show how links move: twists, instantaneous screws, accelerations.
 
@@ -56,23 +62,24 @@ def velocity(
     Example: kinetostat velocity textbook:planar_2r -q 0.5,1 --qdot 1,2 -f tool
     """
     import kinetostat
-    from kinetostat.report.velocity import velocity_result, velocity_view
+    from kinetostat.report.velocity import velocity_columns, velocity_result, velocity_view
 
     model = load(robot, output)
-    tip = None if frame is None else model.robot.frame(frame)
-    q = configuration(model, at)
-    pushed = None
+    rates, pushed = kinetostat.joint_rates(model, qdot, degrees=at.deg), None
     if qddot is not None:
         pushed = kinetostat.joint_rates(model, qddot, degrees=at.deg, quantity="acceleration")
-    result = kinetostat.velocity(
-        model,
-        q.q,
-        kinetostat.joint_rates(model, qdot, degrees=at.deg),
-        frames=tip,
-        relative_to=relative_to,
-        expressed_in=expressed_in,
-        qddot=pushed,
-    )
+
+    def answer(q: Array, tip: str | None) -> FrameMotions:
+        observer = {"relative_to": relative_to, "expressed_in": expressed_in}
+        return kinetostat.velocity(model, q, rates, frames=tip, qddot=pushed, **observer)
+
+    if qs is not None:
+        only = model.robot.frame(frame or model.robot.default_tip())
+        answer_list("velocity", model, qs, at, output, lambda q: Answers(*velocity_columns(answer(q, only), order)))
+        return
+    tip = None if frame is None else model.robot.frame(frame)
+    q = configuration(model, at)
+    result = answer(q.q, tip)
     write_answer(
         Answer(
             "velocity",

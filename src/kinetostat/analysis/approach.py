@@ -49,7 +49,7 @@ class SingularApproach:
         shares: shares of the way that are left: 1, ..., 0. (k,).
         remaining: joint-space distances that are left, rad. (k,).
         smallest: s, the r-th singular value, m/rad (or 1); 0 where it vanishes but for rounding. (k,).
-        directions: u, in the rows that count; at the end, if it needs be, that of the step before. (k, m).
+        directions: u, in the rows that count (k, m).
         joint_error: d, as for `tool_error`, in rad and m. (n,).
         worst: the largest position error that joint errors make in the rows that count, m (rotation error in rad, where
             only turns count). (k,).
@@ -248,20 +248,22 @@ def _followed(
 
     value, certificate = certified(arm.model, both, length_scale(robot, steps, label.point) * max(1.0, arm.length))
     matrix, values = value[:, :6], value[:, 6, :count]
-    left, _, right = np.linalg.svd(matrix[:, rows] * arcs * arm.units, full_matrices=False)
+    scaled = matrix[:, rows] * arcs * arm.units
+    left, _, right = np.linalg.svd(scaled, full_matrices=False)
     last = arm.generic_rank - 1
     directions = left[:, :, last]
     # The end is singular if `singular at` says so; on the way, only what is zero in exact numbers is.
     size = 1.0 if not task.linear else arm.length
     vanishes = values[:, last] <= np.where(shares > 0, STRICT, MODEL) * size
     smallest = np.where(vanishes, 0.0, values[:, last])
-    if vanishes[-1] and last + 1 < len(rows):  # it cannot be told from what the structure never moves
-        directions = np.concatenate([directions[:-1], directions[-2:-1]])
+    if vanishes[-1]:
+        lost = _lost(scaled[-1], int(np.sum(values[-1] > MODEL * size)), directions[-2])
+        directions = np.concatenate([directions[:-1], lost[None]])
     with np.errstate(divide="ignore"):
         motion = 1 / smallest
     rates = np.where(vanishes[:, None], np.inf, speed * right[:, last] * arm.units)
     rates = np.divide(rates, smallest[:, None], out=rates, where=~vanishes[:, None])
-    scaled = matrix[:, list(task.linear or task.angular)] * np.abs(errors)
+    erring = matrix[:, list(task.linear or task.angular)] * np.abs(errors)
     if not vanishes[-1]:
         warnings.append("the end of the way is not singular for the rows that count")
     return SingularApproach(
@@ -277,8 +279,8 @@ def _followed(
         smallest,
         _signed(directions),
         errors,
-        np.linalg.norm((scaled @ farthest(scaled)[..., None])[..., 0], axis=-1),
-        np.linalg.norm(scaled, axis=(-2, -1)),
+        np.linalg.norm((erring @ farthest(erring)[..., None])[..., 0], axis=-1),
+        np.linalg.norm(erring, axis=(-2, -1)),
         motion,
         speed,
         rates,
@@ -286,6 +288,16 @@ def _followed(
         certificate,
         tuple(warnings),
     )
+
+
+def _lost(matrix: Array, rank: int, before: Array) -> Array:
+    """Return the direction that is lost at the end: of those that no joint moves, the one nearest to the step before.
+
+    Others of them may be of the structure, as z is for a planar arm. (m, n), (m,) -> (m,).
+    """
+    unmoved = np.linalg.svd(matrix)[0][:, rank:]
+    toward: Array = unmoved @ (unmoved.T @ before)
+    return toward / np.linalg.norm(toward)
 
 
 def _signed(directions: Array) -> Array:

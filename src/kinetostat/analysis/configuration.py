@@ -112,20 +112,20 @@ def checked(robot: Robot, q: Array) -> Array:
     return q
 
 
-def checked_rates(robot: Robot, qdot: Array, shape: tuple[int, ...]) -> Array:
-    """Return joint rates (..., nv) as an array of numbers that an engine can take.
+def checked_rates(robot: Robot, qdot: Array, shape: tuple[int, ...], quantity: str = "rate") -> Array:
+    """Return joint rates (..., nv), or accelerations (`quantity`), as an array of numbers that an engine can take.
 
     Raises:
         ConfigurationError: another count of rates, one that is not finite or beyond 1e12, or a leading shape that does
             not go with that of the configurations.
     """
-    rates = _numbers(qdot, robot.nv, "rate")
+    rates = _numbers(qdot, robot.nv, quantity)
     if np.any(np.abs(rates) > LARGEST_LENGTH):
-        raise ConfigurationError(f"a rate is beyond {LARGEST_LENGTH:g}", remedy="check the unit")
+        raise ConfigurationError(f"a joint's {quantity} is beyond {LARGEST_LENGTH:g}", remedy="check the unit")
     try:
         np.broadcast_shapes(rates.shape[:-1], shape)
     except ValueError:
-        message = f"rates of shape {rates.shape} do not go with configurations of leading shape {shape}"
+        message = f"{quantity}s of shape {rates.shape} do not go with configurations of leading shape {shape}"
         raise ConfigurationError(message) from None
     return rates
 

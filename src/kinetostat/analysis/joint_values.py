@@ -118,7 +118,7 @@ def filled(
         if given.shape != vector.shape:
             order = ", ".join(_listed(names))
             raise ConfigurationError(
-                f"{given.size} {what}s are given, {len(names)} are needed", remedy=f"in the order {order}"
+                f"{_counted(given.size, what)} given, {len(names)} are needed", remedy=f"in the order {order}"
             )
         vector = given.copy()
     for name, value in zip(names, vector, strict=True):
@@ -132,6 +132,10 @@ def scale_angles(robot: Robot, vector: Array, slices: Mapping[str, slice], facto
     for joint in robot.independent:
         if joint.type.is_angle or joint.type is JointType.PLANAR:
             vector[..., slices[joint.name].stop - 1] *= factor
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what} is" if count == 1 else f"{count} {what}s are"
 
 
 def _listed(names: Sequence[str], longest: int = 12) -> list[str]:

@@ -137,7 +137,7 @@ def velocity(
     axes = robot.frame(expressed_in or observer)
     qdot = checked_rates(robot, qdot, q.shape[:-1])
     shape = np.broadcast_shapes(q.shape[:-1], qdot.shape[:-1])
-    qddot = None if qddot is None else checked_rates(robot, qddot, shape)
+    qddot = None if qddot is None else checked_rates(robot, qddot, shape, "acceleration")
 
     def both(engine: Engine) -> Array:
         return _numbers(engine, q, qdot, qddot, names, observer, axes)

@@ -10,13 +10,15 @@ import numpy as np
 from kinetostat.conventions import TWIST_ROWS, TWIST_UNITS, Array, Order
 from kinetostat.errors import cut
 from kinetostat.report.json import nested
+from kinetostat.report.rows import Column
 from kinetostat.report.view import Cell, Table, View, configuration_note
 
 if TYPE_CHECKING:
     from kinetostat.analysis.configuration import Configuration
+    from kinetostat.analysis.crosscheck import Certificate
     from kinetostat.analysis.velocity import FrameMotions
 
-__all__ = ["velocity_result", "velocity_view"]
+__all__ = ["velocity_columns", "velocity_result", "velocity_view"]
 
 _ACCELERATION_ROWS = ("ax", "ay", "az", "alphax", "alphay", "alphaz")
 _ACCELERATION_UNITS = ("m/s2", "m/s2", "m/s2", "rad/s2", "rad/s2", "rad/s2")
@@ -197,22 +199,36 @@ def _rates_note(result: FrameMotions, values: Array, what: str, units: str) -> s
 # --- CSV -------------------------------------------------------------------------------------------------------
 
 
-def _flat(result: FrameMotions, order: Order) -> Table:
-    """Return one row a link."""
+def _blocks(result: FrameMotions) -> list[tuple[Array, list[str], tuple[str, ...]]]:
+    """Return the six-vectors that there are, with the names and units of their rows."""
     blocks = [
         (result.body_twist, [f"body_{name}" for name in TWIST_ROWS], TWIST_UNITS),
-        (result.twist, TWIST_ROWS, TWIST_UNITS),
+        (result.twist, list(TWIST_ROWS), TWIST_UNITS),
         (result.spatial_acceleration, [f"spatial_{name}" for name in _ACCELERATION_ROWS], _ACCELERATION_UNITS),
         (result.classical_acceleration, [f"classical_{name}" for name in _ACCELERATION_ROWS], _ACCELERATION_UNITS),
     ]
+    return [(values, names, units) for values, names, units in blocks if values is not None]
+
+
+def velocity_columns(result: FrameMotions, order: Order) -> tuple[list[Column], Certificate]:
+    """Return the columns of a list of motions (m, 1, 6) of one frame: its twists and accelerations."""
+    columns = [
+        Column(names[i], units[i], values[:, 0, i].tolist())
+        for values, names, units in _blocks(result)
+        for i in order.rows
+    ]
+    return columns, result.certificate
+
+
+def _flat(result: FrameMotions, order: Order) -> Table:
+    """Return one row a link."""
     header, units = ["link", "relative_to", "expressed_in"], ["", "", ""]
     rows: list[list[Cell]] = [[name, result.relative_to, result.expressed_in] for name in result.frames]
-    for values, names, named_units in blocks:
-        if values is not None:
-            header += [names[i] for i in order.rows]
-            units += [named_units[i] for i in order.rows]
-            for row, six in zip(rows, values, strict=True):
-                row.extend(float(six[i]) for i in order.rows)
+    for values, names, named_units in _blocks(result):
+        header += [names[i] for i in order.rows]
+        units += [named_units[i] for i in order.rows]
+        for row, six in zip(rows, values, strict=True):
+            row.extend(float(six[i]) for i in order.rows)
     screw = result.screw
     header += ["motion", *(f"axis_{c}" for c in "xyz"), *(f"point_{c}" for c in "xyz"), "pitch", "rate", "speed"]
     units += ["", "", "", "", "m", "m", "m", "m/rad", "rad/s", "m/s"]

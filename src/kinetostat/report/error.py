@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,12 +18,12 @@ if TYPE_CHECKING:
     from kinetostat.analysis.approach import SingularApproach
     from kinetostat.analysis.configuration import Configuration
 
-__all__ = ["error_result", "error_view"]
+__all__ = ["error_result", "error_view", "joint_errors_in_words"]
 
 _AXES = ("x", "y", "z", "rx", "ry", "rz")
 _NOISE = 1e-14  # m or rad
 _NO_SHARE = 5e-7
-_SHOWN = (1.0, 0.5, 0.2)  # of each decade of a way, in a table
+_SHOWN = (1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0)  # shares of a way, in a table
 
 
 def error_view(
@@ -41,7 +42,7 @@ def error_view(
         flat = _flat_error(error)
     if error is not None and resolution is not None:
         tables += [_together(error, resolution, degrees), _alone(error, resolution, degrees)]
-        notes += _resolution_notes(resolution, degrees)
+        notes += _resolution_notes(resolution)
         flat = _flat_resolution(error, resolution)
     if approach is not None:
         tables.append(_steps(approach, degrees))
@@ -73,6 +74,16 @@ def _small(value: Any, unit: str, degrees: bool) -> str:
     if abs(value) <= _NOISE:
         return "0"
     return f"{float(value) * (180 / math.pi if unit == 'rad' and degrees else 1e3):.4g}"
+
+
+def joint_errors_in_words(errors: Array, turning: Sequence[bool], *, degrees: bool) -> str:
+    """Return joint errors (n,) in words: the one of all joints that have one, if it is the same for all of them."""
+    sizes = np.abs(errors)
+    moving = {(size, "rad" if turns else "m") for size, turns in zip(sizes, turning, strict=True) if size}
+    if len(moving) != 1:
+        return "the given joint errors"
+    size, unit = moving.pop()
+    return f"joint errors of {_small(size, unit, degrees)} {_unit(unit, degrees)}"
 
 
 def _share(value: Any) -> str:
@@ -189,7 +200,7 @@ def _wanted(resolution: JointResolution, degrees: bool) -> str:
     return f"an accuracy of {' and '.join(found)}"
 
 
-def _resolution_notes(resolution: JointResolution, degrees: bool) -> list[str]:
+def _resolution_notes(resolution: JointResolution) -> list[str]:
     notes = []
     if math.isfinite(resolution.worst.factor):
         limit = str(resolution.decides)
@@ -217,11 +228,8 @@ def _steps(approach: SingularApproach, degrees: bool) -> Table:
     motion_unit = "deg" if degrees else "mrad"
     units = (angle, "m/rad" if unit == "m" else "1", small, small, motion_unit, f"{angle}/s")
     rows: list[tuple[Cell, ...]] = [(*units, "%") if approach.limited else units]
-    used, mantissas = approach.utilisation, 10.0 ** (np.log10(np.maximum(approach.shares, 1e-300)) % 1)
-    for i, share in enumerate(approach.shares):
-        if share not in (0.0, approach.shares[-2]) and not np.any(np.isclose(mantissas[i], [10 * s for s in _SHOWN])):
-            if not np.isclose(mantissas[i], 1.0):
-                continue
+    used = approach.utilisation
+    for i in np.flatnonzero(np.any(np.isclose(approach.shares[:, None], _SHOWN, rtol=1e-9, atol=0), axis=1)):
         moved = approach.motion[i] * per * (180 / math.pi if degrees else 1e3)
         speed = approach.motion[i] * approach.speed * turn
         cells: list[Cell] = [
@@ -232,15 +240,16 @@ def _steps(approach: SingularApproach, degrees: bool) -> Table:
             *(f"{value:.4g}" if math.isfinite(value) else "infinite" for value in (moved, speed)),
         ]
         if approach.limited:
-            cells.append(f"{100 * used[i]:.3g}" if math.isfinite(used[i]) else "infinite")
+            cells.append(f"{100 * used[i]:.4g}" if math.isfinite(used[i]) else "infinite")
         rows.append(tuple(cells))
+    errors = joint_errors_in_words(approach.joint_error, approach.mechanism.turning, degrees=degrees)
     asked = f"{approach.speed:g} {unit}/s" if unit == "m" or not degrees else f"{approach.speed * turn:g} deg/s"
     return Table(
         ("to go", "s", "worst", "sigma", f"per {small}", "speed", *(["of limit"] if approach.limited else [])),
         tuple(rows),
-        title=f"on the way into the singularity: distance to go, smallest singular value s, tool error in the worst "
-        f"case and root mean square; joint motion that 1 {small} in the worst direction takes, and joint speed for "
-        f"{asked}",
+        title=f"on the way into the singularity: distance to go, smallest singular value s, tool error by {errors} "
+        f"in the worst case and root mean square; joint motion that 1 {small} in the worst direction takes, and joint "
+        f"speed for {asked}",
         words=True,
     )
 
@@ -259,7 +268,7 @@ def _approach_notes(approach: SingularApproach, degrees: bool) -> list[str]:
     last = approach.directions[-1]
     if task.mixed:
         linear, angular = last[: len(task.linear)], last[len(task.linear) :] / approach.length
-        words = f"{_vector(linear)} m with {_vector(angular)} rad"
+        words = f"{_vector(linear)} mm with {_vector(angular)} mrad"
     else:
         words = _vector(last)
     rows = " ".join(name.replace("w", "r").removeprefix("v") for name in task.row_names)
@@ -275,7 +284,9 @@ def _approach_notes(approach: SingularApproach, degrees: bool) -> list[str]:
     if reached is not None:
         left, joint = reached
         shown = f"{math.degrees(left):.3g} deg" if degrees else f"{left:.3g} rad"
-        notes.append(f"{cut(joint)} reaches its velocity limit {shown} before the end")
+        start = left == approach.remaining[0]
+        where = "from the start" if start else f"{shown} before the end"
+        notes.append(f"{cut(joint)} {'is beyond' if start else 'reaches'} its velocity limit {where}")
     return notes
 
 
@@ -330,7 +341,9 @@ def error_result(
     error: ToolError | None, resolution: JointResolution | None, approach: SingularApproach | None
 ) -> dict[str, Any]:
     """Return the result object of `error`: m, rad; per joint in path order."""
-    payload: dict[str, Any] = {}
+    velocity = error.velocity if error is not None else approach.velocity if approach is not None else None
+    assert velocity is not None
+    payload: dict[str, Any] = {"frame": velocity.of, "relative_to": velocity.relative_to}
     if error is not None:
         payload |= _error(error)
     if resolution is not None:
@@ -343,8 +356,6 @@ def error_result(
 def _error(error: ToolError) -> dict[str, Any]:
     velocity = error.velocity
     payload: dict[str, Any] = {
-        "frame": velocity.of,
-        "relative_to": velocity.relative_to,
         "reference": error.reference.value,
         "expressed_in": velocity.expressed_in,
         "point": None if velocity.point is None else list(velocity.point),
@@ -370,7 +381,7 @@ def _part(part: ErrorPart) -> dict[str, Any]:
         "unit": part.unit,
         "worst_case": nested(part.worst),
         "worst_case_is_upper_bound": not part.exact,
-        "worst_case_signs": [int(sign) for sign in part.signs],
+        "worst_case_signs": part.signs.astype(int).tolist(),
         "worst_case_by_forward_kinematics": nested(part.there),
         "worst_case_shares": nested(part.worst_shares),
         "root_mean_square": nested(part.sigma),
@@ -388,7 +399,7 @@ def _resolution(resolution: JointResolution) -> dict[str, Any]:
     for key in ("accuracy", "accuracy_angle"):
         if payload[key] is None:
             payload[f"{key}_reason"] = "not asked for"
-    payload["decides"] = str(resolution.decides)
+    payload["decides"] = resolution.decides.tolist()
     for name in ("worst", "sigma", "alone"):
         payload[name] = _requirement(getattr(resolution, name))
     return payload
@@ -401,7 +412,7 @@ def _requirement(wanted: Requirement) -> dict[str, Any]:
         "counts_per_turn": _whole(wanted.counts),
         "bits": _whole(wanted.bits),
     }
-    if not np.isfinite(wanted.factor):
+    if not np.all(np.isfinite(wanted.factor)):
         payload["factor_reason"] = "infinite: the joint errors do not move the tool"
     if not np.all(np.isfinite(wanted.errors)):
         payload["joint_errors_reason"] = "null: infinite, the joint does not move the tool"
@@ -410,8 +421,11 @@ def _requirement(wanted: Requirement) -> dict[str, Any]:
     return payload
 
 
-def _whole(values: Array) -> list[int | None]:
-    return [None if math.isnan(value) else int(value) for value in values]
+def _whole(values: Array) -> Any:
+    """Return nested lists of whole numbers, None where there is none."""
+    if values.ndim == 0:
+        return None if math.isnan(values) else int(values)
+    return [_whole(part) for part in values]
 
 
 def _approach(approach: SingularApproach) -> dict[str, Any]:
@@ -419,9 +433,8 @@ def _approach(approach: SingularApproach) -> dict[str, Any]:
     task, places = arm.task, list(arm.indices)
     reached, limits = approach.limit_at, approach.limits
     payload: dict[str, Any] = {
-        "frame": approach.velocity.of,
-        "relative_to": approach.velocity.relative_to,
         "expressed_in": approach.velocity.expressed_in,
+        "point": list(approach.mechanism.point),
         "rows": list(task.row_names),
         "unit": approach.unit,
         "length": approach.length if task.mixed or not all(arm.turning) else None,

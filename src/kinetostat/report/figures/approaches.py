@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kinetostat.report.error import joint_errors_in_words
 from kinetostat.report.figures.sheet import BLUE, GREY, INK, VERMILION, Entry, house_style, named, sheet
 
 if TYPE_CHECKING:
@@ -45,8 +46,10 @@ def approach_figure(approach: SingularApproach, degrees: bool = False) -> Figure
         for ax in (left, right):
             ax.set_xscale("log")
             ax.set_xlim(x[0], x[-1])  # the singularity is on the right
-            ax.set_xlabel(f"to go in joint space [{angle}]")
+            ax.set_xlabel(f"joint motion left [{angle}]")
+            ax.xaxis.set_major_formatter("{x:g}")
             ax.grid(visible=True)
+        left.yaxis.set_major_formatter("{x:g}")
         return figure
 
 
@@ -82,18 +85,9 @@ def _entries(approach: SingularApproach, degrees: bool) -> list[Entry]:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    sizes = np.abs(approach.joint_error)
-    equal = np.all(sizes[np.nonzero(sizes)] == np.max(sizes)) and np.any(sizes)
-    units = [("mrad" if turns else "mm") for turns in approach.mechanism.turning]
-    used = {unit for unit, size in zip(units, sizes, strict=True) if size}
-    errors = "the given joint errors"
-    if equal and len(used) == 1:
-        (unit,) = used
-        errors = f"joint errors of {np.max(sizes) * 1e3:g} {unit}"
-        if unit == "mrad" and degrees:
-            errors = f"joint errors of {math.degrees(np.max(sizes)):.3g} deg"
+    errors = joint_errors_in_words(approach.joint_error, approach.mechanism.turning, degrees=degrees)
     found: list[Entry] = [
-        (Line2D([], [], **_SPEED), "in the direction that is being lost: grows as 1 / smallest singular value"),
+        (Line2D([], [], **_SPEED), "joint speed in the worst direction: grows as 1 / smallest singular value"),
         (Line2D([], [], **_WORST), f"tool error by {errors}, worst case"),
         (Line2D([], [], **_SIGMA), f"tool error by {errors}, root mean square"),
     ]
@@ -110,17 +104,10 @@ def _mark_limit(ax: Any, approach: SingularApproach, turn: float) -> None:
     at = approach.limit_at[0] * turn
     ax.axvspan(at, approach.remaining[-2] * turn, **_BEYOND, label="beyond")
     ax.axvline(at, **_LIMIT, label="limit")
-    unit = "rad" if turn == 1.0 else "deg"
-    ax.annotate(
-        f"{at:.2g} {unit}",
-        (at, 0.98),
-        xycoords=("data", "axes fraction"),
-        xytext=(3, 0),
-        textcoords="offset points",
-        va="top",
-        fontsize=8,
-        color=INK,
-    )
+    inside = approach.limit_at[0] > 0.01 * approach.remaining[0]  # there is room to the right
+    place: dict[str, Any] = {"xytext": (3 if inside else -3, -2), "ha": "left" if inside else "right", "va": "top"}
+    place |= {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8, "color": INK}
+    ax.annotate(f"{at:.2g} {'rad' if turn == 1.0 else 'deg'}", (at, 1.0), **place)
 
 
 def _draw_errors(ax: Any, approach: SingularApproach, before: Any, x: Any, degrees: bool) -> None:

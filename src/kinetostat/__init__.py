@@ -15,15 +15,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kinetostat.analysis.accuracy import (
-        ErrorPart,
-        JointResolution,
-        Requirement,
-        ToolError,
-        joint_errors,
-        joint_resolution,
-        tool_error,
-    )
+    from kinetostat.analysis.accuracy import ErrorPart, ToolError, tool_error
     from kinetostat.analysis.approach import SingularApproach, singular_approach
     from kinetostat.analysis.capacity import ForcePolytope, Strongest, force_polytope, strongest
     from kinetostat.analysis.configuration import Configuration, configuration, random_configurations
@@ -32,11 +24,13 @@ if TYPE_CHECKING:
     from kinetostat.analysis.inverse.ik import InverseKinematics, Solutions, ik, ik_all
     from kinetostat.analysis.inverse.pose import Pose, pose
     from kinetostat.analysis.jacobian import Jacobian, jacobian
+    from kinetostat.analysis.joint_errors import joint_errors
     from kinetostat.analysis.joint_values import joint_rates
     from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
     from kinetostat.analysis.loads import EffortLimits, Payload, load_at
     from kinetostat.analysis.manipulability import Block, Ellipsoid, Manipulability, Transmission, manipulability
     from kinetostat.analysis.rates import ResolvedRates, resolved_rates
+    from kinetostat.analysis.resolution import JointResolution, Requirement, joint_resolution
     from kinetostat.analysis.singular.at import SingularAt, singular_at
     from kinetostat.analysis.singular.find import Family, SingularFamilies, singular_find
     from kinetostat.analysis.statics import Reactions, Torques, reactions, torque
@@ -66,15 +60,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "analysis.accuracy": (
-        "ErrorPart",
-        "JointResolution",
-        "Requirement",
-        "ToolError",
-        "joint_errors",
-        "joint_resolution",
-        "tool_error",
-    ),
+    "analysis.accuracy": ("ErrorPart", "ToolError", "tool_error"),
     "analysis.approach": ("SingularApproach", "singular_approach"),
     "analysis.capacity": ("ForcePolytope", "Strongest", "force_polytope", "strongest"),
     "analysis.configuration": ("Configuration", "configuration", "random_configurations"),
@@ -83,11 +69,13 @@ _HOMES = {
     "analysis.inverse.ik": ("InverseKinematics", "Solutions", "ik", "ik_all"),
     "analysis.inverse.pose": ("Pose", "pose"),
     "analysis.jacobian": ("Jacobian", "jacobian"),
+    "analysis.joint_errors": ("joint_errors",),
     "analysis.joint_values": ("joint_rates",),
     "analysis.kinematics": ("FrameChange", "Placement", "adjoint", "fk"),
     "analysis.loads": ("EffortLimits", "Payload", "load_at"),
     "analysis.manipulability": ("Block", "Ellipsoid", "Manipulability", "Transmission", "manipulability"),
     "analysis.rates": ("ResolvedRates", "resolved_rates"),
+    "analysis.resolution": ("JointResolution", "Requirement", "joint_resolution"),
     "analysis.singular.at": ("SingularAt", "singular_at"),
     "analysis.singular.find": ("Family", "SingularFamilies", "singular_find"),
     "analysis.statics": ("Reactions", "Torques", "reactions", "torque"),

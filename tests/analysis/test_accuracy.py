@@ -11,7 +11,8 @@ import pytest
 
 import differences
 import kinetostat as ks
-from kinetostat.analysis.accuracy import displaced, farthest
+from kinetostat.analysis.configuration import displaced
+from kinetostat.analysis.zonotope import farthest
 from textbook_support import assert_same, command_line
 from trees import load_text, random_tree
 
@@ -222,7 +223,7 @@ def test_the_farthest_vertex_is_the_farthest_of_all(count, rank):
 def test_many_goes_at_the_patterns_find_what_one_finds(monkeypatch):
     columns = 0.01 * np.random.default_rng(5).normal(size=(40, 3, 9))
     whole = farthest(columns)
-    monkeypatch.setattr("kinetostat.analysis.accuracy._AT_ONCE", 2000)
+    monkeypatch.setattr("kinetostat.analysis.zonotope._AT_ONCE", 2000)
     assert_same(farthest(columns), whole)
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from kinetostat.conventions import Reference
 from kinetostat_cli import completion
 from kinetostat_cli.console import Answer, configuration, load, triple, write_answer
+from kinetostat_cli.lists import Answers, ListOption, answer_list
 from kinetostat_cli.options import (
     AxesOption,
     ConfigurationOptions,
@@ -26,7 +27,8 @@ from kinetostat_cli.options import (
 )
 
 if TYPE_CHECKING:
-    from kinetostat import Certificate
+    from kinetostat import JointResolution, SingularApproach, ToolError
+    from kinetostat.conventions import Array
 
 __all__ = ["register"]
 
@@ -69,6 +71,7 @@ def error(
     relative_to: RelativeToOption = None,
     expressed_in: ExpressedInOption = None,
     point: PointOption = None,
+    qs: ListOption = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw the way of --approach: .svg, .png or .pdf.")
     ] = None,
@@ -81,7 +84,8 @@ def error(
     Example: kinetostat error example:ur5_robot -f tool0 --joint-error 0.001
     """
     import kinetostat
-    from kinetostat.report.error import error_result, error_view
+    from kinetostat.analysis.crosscheck import combined
+    from kinetostat.report.error import error_columns, error_result, error_view
 
     if plot is not None:
         from kinetostat.report.figures import check_suffix
@@ -93,47 +97,39 @@ def error(
             "nothing is asked: the error of the tool, the resolution of joints, or the way into a singularity",
             remedy="give --joint-error, --accuracy, --accuracy-angle or --approach",
         )
-    _refuse(approach is None, {"--axes": axes, "--speed": speed, "--plot": plot}, "belongs to --approach")
-    _refuse(approach is not None, {"--expressed-in": expressed_in}, "does not go with --approach")
+    _refuse(
+        approach is None,
+        {"--axes": axes, "--speed": speed, "--plot": plot},
+        "belongs to --approach",
+        "add --approach nearest",
+    )
+    remedy = "leave it out, or use --reference local"
+    _refuse(approach is not None, {"--expressed-in": expressed_in}, "does not go with --approach", remedy)
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
-    q = configuration(model, at)
-    at_point = triple(point, "--point")
     errors = None
     if joint_error is not None:
         errors = kinetostat.joint_errors(model, tip, joint_error, relative_to=relative_to, degrees=at.deg)
-    result = resolution = way = None
-    if joint_error is not None or resolved:
-        result = kinetostat.tool_error(
-            model,
-            tip,
-            q.q,
-            errors,
-            reference=reference,
-            relative_to=relative_to,
-            expressed_in=expressed_in,
-            point=at_point,
-        )
-    if result is not None and resolved:
-        angle = math.radians(accuracy_angle) if accuracy_angle is not None and at.deg else accuracy_angle
-        resolution = kinetostat.joint_resolution(result, accuracy=accuracy, accuracy_angle=angle)
-    if approach is not None:
-        way = kinetostat.singular_approach(
-            model,
-            tip,
-            q.q,
-            None if approach == "nearest" else configuration(model, replace(at, config=approach)).q,
-            joint_error=errors,
-            axes=axes,
-            reference=reference,
-            relative_to=relative_to,
-            point=at_point,
-            speed=0.1 if speed is None else speed,
-        )
-    if plot is not None and way is not None:
-        from kinetostat.report.figures import approach_figure, save
+    where: Any = {"reference": reference, "relative_to": relative_to, "point": triple(point, "--point")}
+    angle = math.radians(accuracy_angle) if accuracy_angle is not None and at.deg else accuracy_angle
 
-        save(approach_figure(way, degrees=at.deg), plot)
+    def answer(q: Array) -> tuple[ToolError, JointResolution | None]:
+        found = kinetostat.tool_error(model, tip, q, errors, expressed_in=expressed_in, **where)
+        wanted = {"accuracy": accuracy, "accuracy_angle": angle}
+        return found, kinetostat.joint_resolution(found, **wanted) if resolved else None
+
+    if qs is not None:
+        _refuse(approach is not None, {"--qs": qs}, "does not go with --approach", "leave one of the two out")
+        answer_list("error", model, qs, at, output, lambda q: Answers(*error_columns(*answer(q))))
+        return
+    q = configuration(model, at)
+    result, resolution = answer(q.q) if joint_error is not None or resolved else (None, None)
+    way = None
+    if approach is not None:
+        end = None if approach == "nearest" else configuration(model, replace(at, config=approach)).q
+        fast = 0.1 if speed is None else speed
+        way = kinetostat.singular_approach(model, tip, q.q, end, joint_error=errors, axes=axes, speed=fast, **where)
+        _draw(plot, way, degrees=at.deg)
     found = [part for part in (result, way) if part is not None]
     write_answer(
         Answer(
@@ -142,26 +138,27 @@ def error(
             lambda: error_result(result, resolution, way),
             model,
             q,
-            _worse([part.certificate for part in found]),
+            combined([part.certificate for part in found]),
             tuple(line for part in (result, resolution, way) if part is not None for line in part.warnings),
         ),
         output,
     )
 
 
-def _refuse(wrong: bool, options: dict[str, object], why: str) -> None:
+def _draw(plot: Path | None, way: SingularApproach, *, degrees: bool) -> None:
+    if plot is not None:
+        from kinetostat.report.figures import approach_figure, save
+
+        save(approach_figure(way, degrees=degrees), plot)
+
+
+def _refuse(wrong: bool, options: dict[str, object], why: str, remedy: str) -> None:
     """Refuse the first option that is given where it means nothing."""
     import kinetostat
 
     given = next((name for name, value in options.items() if value is not None), None)
     if wrong and given is not None:
-        remedy = "add --approach nearest" if why.startswith("belongs") else "leave it out, or use --reference local"
         raise kinetostat.UsageError(f"{given} {why}", remedy=remedy)
-
-
-def _worse(certificates: list[Certificate]) -> Certificate:
-    """Return the certificate that came closer to its tolerance, or that is beyond it."""
-    return max(certificates, key=lambda one: (one.agree is False, (one.max_difference or 0.0) / one.tolerance))
 
 
 def register(app: typer.Typer) -> None:

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetostat.analysis.accuracy import UNIT_ERROR, JointErrors, farthest, joint_errors
 from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
+from kinetostat.analysis.joint_errors import UNIT_ERROR, JointErrors, joint_errors
 from kinetostat.analysis.singular.at import singular_at
 from kinetostat.analysis.singular.mechanism import MODEL, STRICT, Mechanism, mechanism
+from kinetostat.analysis.zonotope import farthest
 from kinetostat.conventions import Array, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine

@@ -13,6 +13,7 @@ from kinetostat.analysis.joint_values import Value, described, filled, parsed, s
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import ConfigurationError, UnknownNameError, quote
+from kinetostat.screw import se3, so3
 from kinetostat.urdf.description import Joint, JointType, Robot
 from kinetostat.urdf.srdf import Semantics
 
@@ -140,6 +141,28 @@ def _numbers(values: Array, count: int, what: str) -> Array:
     if not np.all(np.isfinite(numbers)):
         raise ConfigurationError(f"a {what} is not a finite number")
     return numbers
+
+
+def displaced(robot: Robot, q: Array, steps: Array) -> Array:
+    """Return the configurations that finite joint motions lead to: q + d, joint by joint.
+
+    A floating or planar joint moves along its constant twist, T exp(d). (..., nq), (..., nv) -> (..., nq).
+    """
+    leading = np.broadcast_shapes(q.shape[:-1], steps.shape[:-1])
+    end = np.broadcast_to(q, (*leading, q.shape[-1])).copy()
+    for joint in robot.independent:
+        part, step = end[..., robot.position_slices[joint.name]], steps[..., robot.velocity_slices[joint.name]]
+        if joint.type is JointType.FLOATING:
+            placed = se3.placement(so3.from_quaternion(part[..., 3:]), part[..., :3]) @ se3.exp(step)
+            part[..., :3], part[..., 3:] = placed[..., :3, 3], so3.to_quaternion(placed[..., :3, :3])
+        elif joint.type is JointType.PLANAR:
+            twist = np.zeros((*leading, 6))
+            twist[..., [0, 1, 5]] = step
+            shift = so3.about(2, part[..., 2]) @ se3.exp(twist)[..., :3, 3, None]
+            part += np.concatenate([shift[..., :2, 0], step[..., 2:]], -1)
+        else:
+            part += step
+    return end
 
 
 def neutral(robot: Robot) -> Array:

@@ -64,7 +64,7 @@ def certified(
 
 def combined(certificates: Sequence[Certificate]) -> Certificate:
     """Return the certificate of several results together: that of the one nearest to (or farthest beyond) tolerance."""
-    return max(certificates, key=lambda one: -1.0 if one.max_difference is None else one.max_difference / one.tolerance)
+    return max(certificates, key=lambda one: (one.agree is False, (one.max_difference or 0.0) / one.tolerance))
 
 
 def length_scale(robot: Robot, q: Array, point: tuple[float, float, float] | None = None, unit: float = 1.0) -> float:

@@ -17,6 +17,7 @@ from kinetostat.analysis.task import (
     TRANSLATION,
     Task,
     characteristic_length,
+    pointing_up,
     turning_columns,
 )
 from kinetostat.analysis.weights import JointWeights, fixed_weights, limit_weights
@@ -378,7 +379,7 @@ def _block(
     thin = left[..., :count], right[..., :count, :]
     slopes = np.einsum("...rk,...rij,...ki->...kj", thin[0], along, thin[1], optimize=True)
     unit = _unit(task, turning, length, weights)
-    left = _pointing_up(left)
+    left = pointing_up(left)
     padded = np.concatenate([values, np.zeros((*values.shape[:-1], len(task.rows) - count))], -1)
     largest = values[..., :1]
     zero = padded <= STRICT * np.maximum(largest, np.finfo(float).tiny)
@@ -421,13 +422,6 @@ def _rank(values: Any, matrix: Array) -> Array:
     found = np.linalg.svd(balanced, compute_uv=False)
     rank: Array = np.sum(found > STRICT * found[..., :1], axis=-1) * (values[..., 0] > 0)
     return rank
-
-
-def _pointing_up(axes: Array) -> Array:
-    """Return the directions with the sign that makes the largest entry of each positive."""
-    largest = np.take_along_axis(axes, np.argmax(np.abs(axes).round(9), axis=-2)[..., None, :], -2)
-    signed: Array = axes * np.where(largest < 0, -1.0, 1.0)
-    return signed
 
 
 def _gradients(values: Array, slopes: Array) -> dict[str, Array]:

@@ -13,7 +13,16 @@ from kinetostat.conventions import TWIST_ROWS, TWIST_UNITS, Array
 from kinetostat.errors import UsageError, quote
 from kinetostat.urdf.description import Joint
 
-__all__ = ["FULL", "ROTATION", "TRANSLATION", "Task", "characteristic_length", "length_scaled", "turning_columns"]
+__all__ = [
+    "FULL",
+    "ROTATION",
+    "TRANSLATION",
+    "Task",
+    "characteristic_length",
+    "length_scaled",
+    "pointing_up",
+    "turning_columns",
+]
 
 _WORD = re.compile(r"[rvw]?[xyz]+")
 
@@ -119,3 +128,10 @@ def length_scaled(matrix: Array, turning: Sequence[bool], length: Array | float)
 def turning_columns(joints: Sequence[Joint]) -> tuple[bool, ...]:
     """Return for each velocity coordinate of the joints whether it is an angle's."""
     return tuple(unit == "rad/s" for joint in joints for unit in velocity_units(joint))
+
+
+def pointing_up(axes: Array) -> Array:
+    """Return directions, the columns of (..., m, m), with the sign that makes the largest entry of each positive."""
+    largest = np.take_along_axis(axes, np.argmax(np.abs(axes).round(9), axis=-2)[..., None, :], -2)
+    signed: Array = axes * np.where(largest < 0, -1.0, 1.0)
+    return signed

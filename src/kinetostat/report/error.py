@@ -11,14 +11,17 @@ import numpy as np
 from kinetostat.conventions import Array
 from kinetostat.errors import cut
 from kinetostat.report.json import nested, number
+from kinetostat.report.rows import Column
 from kinetostat.report.view import Cell, Table, View, configuration_note, velocity_label
 
 if TYPE_CHECKING:
-    from kinetostat.analysis.accuracy import ErrorPart, JointResolution, Requirement, ToolError
+    from kinetostat.analysis.accuracy import ErrorPart, ToolError
     from kinetostat.analysis.approach import SingularApproach
     from kinetostat.analysis.configuration import Configuration
+    from kinetostat.analysis.crosscheck import Certificate
+    from kinetostat.analysis.resolution import JointResolution, Requirement
 
-__all__ = ["error_result", "error_view", "joint_errors_in_words"]
+__all__ = ["error_columns", "error_result", "error_view", "joint_errors_in_words"]
 
 _AXES = ("x", "y", "z", "rx", "ry", "rz")
 _NOISE = 1e-14  # m or rad
@@ -335,6 +338,23 @@ def _flat_approach(approach: SingularApproach) -> Table:
 
 
 # --- JSON ------------------------------------------------------------------------------------------------------
+
+
+def error_columns(result: ToolError, resolution: JointResolution | None) -> tuple[list[Column], Certificate]:
+    """Return the columns of a list of tool errors (m, 6), SI: the move, worst case, one sigma; allowed factors."""
+    rows = [*((name, "m") for name in "xyz"), *((f"r{name}", "rad") for name in "xyz")]
+    columns = [
+        Column(f"{what}_{name}" if what else name, unit, values[:, i].tolist())
+        for what, values in (("", result.displacement), ("worst", result.worst), ("sigma", result.sigma))
+        for i, (name, unit) in enumerate(rows)
+    ]
+    for name, part in (("position", result.translation), ("rotation", result.rotation)):
+        columns.append(Column(f"worst_{name}", part.unit, part.worst.tolist()))
+        columns.append(Column(f"rms_{name}", part.unit, part.sigma.tolist()))
+    if resolution is not None:
+        columns.append(Column("factor_worst", "", resolution.worst.factor.tolist()))
+        columns.append(Column("factor_sigma", "", resolution.sigma.factor.tolist()))
+    return columns, result.certificate
 
 
 def error_result(

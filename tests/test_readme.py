@@ -29,8 +29,8 @@ def test_examples_print_what_the_readme_shows(line, shown):
     assert ROUNDING.sub("", output(line)) == ROUNDING.sub("", shown)
 
 
-def test_there_are_six_examples():
-    assert len(CONSOLE) == 6
+def test_there_are_nine_examples():
+    assert len(CONSOLE) == 9
 
 
 def test_the_python_of_the_readme_runs():
@@ -42,7 +42,8 @@ def test_the_python_of_the_readme_runs():
     assert lines[0].endswith("(6, 7)")
     assert lines[1].startswith("True ")
     assert lines[2:4] == ["(100, 3)", "(100,)"]
-    assert "shoulder" in lines[4]
+    assert lines[4:6] == ["panda_joint2", "True"]
+    assert "shoulder" in lines[6]
 
 
 def test_every_command_is_in_the_readme():

@@ -73,7 +73,7 @@ def ik(
     From the configuration -q on; every solution is checked by forward kinematics on both engines. An unreachable pose
     is told with what the nearest configuration misses.
 
-    Example: kinetostat ik example:panda -f panda_hand -q default --pose '0.4,0.2,0.5 rpy 3.14,0,0'
+    Example: kinetostat ik example:ur5_robot -f tool0 --pose 0.4,0.2,0.5,0,0,0
     """
     import kinetostat
     from kinetostat.report import ik as report

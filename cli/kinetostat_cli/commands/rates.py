@@ -68,7 +68,7 @@ def rates(
     Exact where the joints can, least squares where they cannot; with the least motion where there are many. Near a
     singular configuration it is told how the rates grow.
 
-    Example: kinetostat rates example:panda -f panda_hand -q default --twist 0.1,0,0,0,0,0
+    Example: kinetostat rates textbook:planar_2r -q 0.5,1 --twist 1,0 --axes xy
     """
     import kinetostat
     from kinetostat.report import rates as report

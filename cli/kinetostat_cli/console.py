@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -25,6 +25,7 @@ __all__ = [
     "load",
     "opened",
     "progress_bar",
+    "refuse",
     "say",
     "triple",
     "warn",
@@ -107,6 +108,19 @@ def triple(text: str | None, option: str) -> tuple[float, float, float] | None:
 
     x, y, z = numbers(text, option, 3)
     return x, y, z
+
+
+def refuse(wrong: bool, options: Mapping[str, object], why: str, remedy: str) -> None:
+    """Refuse the first option that is given where it means nothing, if this is wrong here.
+
+    Raises:
+        UsageError: one is given.
+    """
+    given = next((name for name, value in options.items() if value is not None), None)
+    if wrong and given is not None:
+        from kinetostat.errors import UsageError
+
+        raise UsageError(f"{given} {why}", remedy=remedy)
 
 
 @contextlib.contextmanager

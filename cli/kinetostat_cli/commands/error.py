@@ -11,7 +11,7 @@ import typer
 
 from kinetostat.conventions import Reference
 from kinetostat_cli import completion
-from kinetostat_cli.console import Answer, configuration, load, triple, write_answer
+from kinetostat_cli.console import Answer, configuration, load, refuse, triple, write_answer
 from kinetostat_cli.lists import Answers, ListOption, answer_list
 from kinetostat_cli.options import (
     AxesOption,
@@ -97,14 +97,14 @@ def error(
             "nothing is asked: the error of the tool, the resolution of joints, or the way into a singularity",
             remedy="give --joint-error, --accuracy, --accuracy-angle or --approach",
         )
-    _refuse(
+    refuse(
         approach is None,
         {"--axes": axes, "--speed": speed, "--plot": plot},
         "belongs to --approach",
         "add --approach nearest",
     )
     remedy = "leave it out, or use --reference local"
-    _refuse(approach is not None, {"--expressed-in": expressed_in}, "does not go with --approach", remedy)
+    refuse(approach is not None, {"--expressed-in": expressed_in}, "does not go with --approach", remedy)
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
     errors = None
@@ -119,7 +119,7 @@ def error(
         return found, kinetostat.joint_resolution(found, **wanted) if resolved else None
 
     if qs is not None:
-        _refuse(approach is not None, {"--qs": qs}, "does not go with --approach", "leave one of the two out")
+        refuse(approach is not None, {"--qs": qs}, "does not go with --approach", "leave one of the two out")
         answer_list("error", model, qs, at, output, lambda q: Answers(*error_columns(*answer(q))))
         return
     q = configuration(model, at)
@@ -150,15 +150,6 @@ def _draw(plot: Path | None, way: SingularApproach, *, degrees: bool) -> None:
         from kinetostat.report.figures import approach_figure, save
 
         save(approach_figure(way, degrees=degrees), plot)
-
-
-def _refuse(wrong: bool, options: dict[str, object], why: str, remedy: str) -> None:
-    """Refuse the first option that is given where it means nothing."""
-    import kinetostat
-
-    given = next((name for name, value in options.items() if value is not None), None)
-    if wrong and given is not None:
-        raise kinetostat.UsageError(f"{given} {why}", remedy=remedy)
 
 
 def register(app: typer.Typer) -> None:

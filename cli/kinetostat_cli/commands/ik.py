@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from kinetostat.conventions import Reference
-from kinetostat_cli.console import Answer, configuration, load, triple, write_answer
+from kinetostat_cli.console import Answer, configuration, load, refuse, triple, write_answer
 from kinetostat_cli.lists import Answers, ListOption, answer_list
 from kinetostat_cli.options import (
     AxesOption,
@@ -21,6 +22,10 @@ from kinetostat_cli.options import (
     RobotOptions,
     grouped,
 )
+from kinetostat_cli.reading import pose_rows
+
+if TYPE_CHECKING:
+    from kinetostat.conventions import Array
 
 __all__ = ["register"]
 
@@ -67,6 +72,13 @@ def ik(
     ] = 100,
     seed: Annotated[int, typer.Option(min=0, metavar="N", help="Of the random starts.")] = 0,
     qs: ListOption = None,
+    poses: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Solve for each pose of a list: rows of 6, 7, 12 or 16 numbers, read and answered as --qs.",
+        ),
+    ] = None,
 ) -> None:
     """Find joint positions for a pose.
 
@@ -78,11 +90,13 @@ def ik(
     import kinetostat
     from kinetostat.report import ik as report
 
-    if pose is None:
-        raise kinetostat.UsageError("no pose is asked for", remedy="for instance --pose 0.4,0.2,0.5")
+    refuse(poses is not None, {"--pose": pose, "--qs": qs}, "does not go with --poses", "choose one")
+    refuse(every, {"--qs": qs, "--poses": poses, "--trace": trace or None}, "does not go with --all", "choose one")
+    refuse(method is Method.DAMPED, {"--trace": trace or None}, "needs another --method", "newton or pseudo-inverse")
+    if pose is None and poses is None:
+        raise kinetostat.UsageError("no pose is asked for", remedy="for instance --pose 0.4,0.2,0.5, or --poses FILE")
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
-    goal = _pose(pose, at)
     aim: Any = {
         "axes": axes,
         "reference": reference,
@@ -91,17 +105,17 @@ def ik(
         "seed": seed,
     }
     way: Any = {"method": method.value, "step": step, "tries": tries}
+
+    def answer(goal: Any, q: Array) -> Answers:
+        return Answers(*report.ik_columns(kinetostat.ik(model, tip, goal, q, **aim, **way), model.robot))
+
+    if poses is not None:
+        start = configuration(model, at)
+        answer_list("ik", model, poses, at, output, lambda goals: answer(goals, start.q), pose_rows(at))
+        return
+    goal = _pose(pose or "", at)
     if qs is not None:
-        if every:
-            raise kinetostat.UsageError("--all is of one configuration", remedy="leave out --qs")
-        answer_list(
-            "ik",
-            model,
-            qs,
-            at,
-            output,
-            lambda q: Answers(*report.ik_columns(kinetostat.ik(model, tip, goal, q, **aim, **way), model.robot)),
-        )
+        answer_list("ik", model, qs, at, output, lambda q: answer(goal, q))
         return
     q = configuration(model, at)
     if every:

@@ -10,7 +10,7 @@ import typer
 
 from kinetostat.conventions import Order
 from kinetostat_cli import completion
-from kinetostat_cli.console import Answer, configuration, load, progress_bar, triple, write_answer
+from kinetostat_cli.console import Answer, configuration, load, progress_bar, refuse, triple, write_answer
 from kinetostat_cli.lists import Answers, ListOption, answer_list
 from kinetostat_cli.options import (
     AxesOption,
@@ -116,6 +116,14 @@ def torque(
     from kinetostat.report import torque as report
     from kinetostat_cli.values import by_joint
 
+    single = {"--wrench": wrench, "--reactions": reactions or None, "--max": largest, "--qs": qs}
+    refuse(worst, single, "does not go with --worst", "leave one of the two out")
+    refuse(
+        qs is not None, {"--reactions": reactions or None, "--max": largest}, "does not go with --qs", "leave it out"
+    )
+    whole = {"--expressed-in": expressed_in, "--point": point, "--axes": axes}
+    refuse(largest is None, whole, "belongs to --max", "add --max")
+    refuse(not wrench, {"--in": axes_of}, "belongs to --wrench", "add --wrench")
     if plot is not None:
         _check_plot(plot, largest)
     model = load(robot, output)
@@ -138,8 +146,6 @@ def torque(
         return kinetostat.torque(model, q, wrenches, on=on.value, **bearing)
 
     if qs is not None:
-        if reactions or largest is not None:
-            raise kinetostat.UsageError("--qs gives torques and their use", remedy="leave out --reactions and --max")
         answer_list("torque", model, qs, at, output, lambda q: Answers(*report.torque_columns(answer(q))))
         return
     q = configuration(model, at)

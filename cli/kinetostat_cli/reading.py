@@ -1,0 +1,206 @@
+"""Lists that people give in files: rows of CSV, of JSON, of JSON lines, as batches of sound numbers or of reasons."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import json
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kinetostat_cli.options import ConfigurationOptions
+
+if TYPE_CHECKING:
+    from kinetostat import Model
+    from kinetostat.conventions import Array
+
+__all__ = ["Batch", "RowKind", "batches", "configuration_rows", "pose_rows"]
+
+BATCH = 2000  # rows that are read, computed and written at once
+
+Row = Sequence[Any] | Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class RowKind:
+    """What the rows of a list are, and how numbers become it.
+
+    Attributes:
+        option: the option that names the file.
+        blank: one sound value, (1, ...): an empty list still has columns.
+        many: from rows of numbers (m, k) and the names of their columns, or None, to values (m, ...).
+        named: from a mapping of names to numbers to one value (1, ...).
+    """
+
+    option: str
+    blank: Array
+    many: Callable[[Array, Sequence[str] | None], Array]
+    named: Callable[[Mapping[str, Any]], Array]
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Rows of a list: their numbers, the values of those that are sound, and why the others are not."""
+
+    numbers: range
+    values: Array
+    reasons: list[str | None]
+
+
+def configuration_rows(model: Model, at: ConfigurationOptions) -> RowKind:
+    """Return how rows become configurations: in file order, or under the names of joints, others zero."""
+    import kinetostat
+    from kinetostat.analysis.configuration import from_rows
+
+    first = at.quat.value[0]
+
+    def many(values: Array, names: Sequence[str] | None) -> Array:
+        return from_rows(model, values, names, degrees=at.deg, quaternion_first=first)
+
+    def named(row: Mapping[str, Any]) -> Array:
+        return kinetostat.configuration(model, row, degrees=at.deg, quaternion_first=first).q[None]
+
+    # Not zero, where an answer may be special.
+    return RowKind("--qs", kinetostat.random_configurations(model, 0, 1), many, named)
+
+
+def pose_rows(at: ConfigurationOptions) -> RowKind:
+    """Return how rows become poses (m, 4, 4): of 3, 6, 7, 12 or 16 numbers, as --pose takes them."""
+    import numpy as np
+
+    import kinetostat
+
+    def many(values: Array, names: Sequence[str] | None) -> Array:  # noqa: ARG001 (a header is for people)
+        poses = [kinetostat.pose(row, degrees=at.deg, quaternion_first=at.quat.value[0]) for row in values]
+        if not all(pose.oriented for pose in poses):
+            raise kinetostat.UsageError("a pose without an orientation", remedy="give positions by --pose, one by one")
+        return np.array([pose.matrix for pose in poses]).reshape(-1, 4, 4)
+
+    def named(row: Mapping[str, Any]) -> Array:
+        raise kinetostat.UsageError(f"a pose is a row of numbers, not {len(row)} names")
+
+    return RowKind("--poses", np.eye(4)[None], many, named)
+
+
+def batches(file: Path, kind: RowKind) -> Iterator[Batch]:
+    """Yield the rows of a file in batches.
+
+    Raises:
+        UsageError: the file cannot be read, or is no list; a name in the header is none of the kind's.
+    """
+    import numpy as np
+
+    rows, number, names = _rows(file), 0, None
+    for first in rows:
+        if not isinstance(first, Mapping) and _floats([first]) is None:
+            names = [str(cell).strip() for cell in first]
+            kind.many(np.zeros((0, len(names))), names)  # a wrong name is said once, not in every row
+        else:
+            rows = itertools.chain([first], rows)
+        break
+    while batch := list(itertools.islice(rows, BATCH)):
+        numbers = range(number + 1, number + len(batch) + 1)
+        number += len(batch)
+        yield _batch(kind, numbers, batch, names)
+
+
+def _batch(kind: RowKind, numbers: range, rows: list[Row], names: list[str] | None) -> Batch:
+    """Return rows as values: all at once where all are sound, else one by one."""
+    import numpy as np
+
+    import kinetostat
+
+    values = None if isinstance(rows[0], Mapping) else _floats(rows)
+    if values is not None:
+        try:
+            return Batch(numbers, kind.many(values, names), [None] * len(rows))
+        except kinetostat.UsageError:
+            pass  # one by one, to say which
+    found, reasons = [kind.blank[:0]], list[str | None]()
+    for row in rows:
+        try:
+            found.append(kind.named(row) if isinstance(row, Mapping) else kind.many(_numbers(row), names))
+            reasons.append(None)
+        except kinetostat.UsageError as error:
+            reasons.append(str(error))
+    return Batch(numbers, np.concatenate(found), reasons)
+
+
+def _numbers(row: Sequence[Any]) -> Array:
+    """Return a row of numbers, (1, k).
+
+    Raises:
+        ConfigurationError: a cell is none; it is told.
+    """
+    from kinetostat.errors import ConfigurationError, quote
+
+    numbers = _floats([row])
+    if numbers is None:
+        wrong = next((str(cell) for cell in row if _floats([[cell]]) is None), "")
+        raise ConfigurationError(f"{quote(wrong)} is not a number")
+    return numbers
+
+
+def _floats(rows: Sequence[Row]) -> Array | None:
+    """Return rows of numbers as an array; None if one is no number, or one row is shorter than another."""
+    import numpy as np
+
+    try:
+        return np.array([[float(cell) for cell in row] for row in rows])
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def _rows(file: Path) -> Iterator[Row]:
+    """Yield the rows of a file: cells of CSV, or what a JSON list, or a line of JSON, holds.
+
+    Raises:
+        ConfigurationError: the file cannot be read, or is no list.
+    """
+    from kinetostat.errors import ConfigurationError
+
+    if file == Path("-"):
+        yield from _csv_rows(sys.stdin)
+        return
+    kind = file.suffix.lower()
+    if kind == ".json":
+        yield from _json_rows(file)
+        return
+    if not file.is_file():
+        raise ConfigurationError("there is no such file", file=str(file), remedy="check the path")
+    try:
+        with file.open(encoding="utf-8-sig", newline="") as text:
+            yield from (_json_line(line) for line in text if line.strip()) if kind == ".jsonl" else _csv_rows(text)
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        raise ConfigurationError(f"the list cannot be read: {reason}", file=str(file)) from None
+
+
+def _csv_rows(text: Any) -> Iterator[Row]:
+    for row in csv.reader(text):
+        if any(cell.strip() for cell in row):
+            yield row
+
+
+def _json_rows(file: Path) -> Iterator[Row]:
+    from kinetostat.errors import ConfigurationError
+    from kinetostat_cli.values import read_text
+
+    try:
+        content = json.loads(read_text(str(file)))
+    except (ValueError, RecursionError) as error:
+        raise ConfigurationError(f"not JSON: {error}", file=str(file)) from None
+    if not isinstance(content, list):
+        raise ConfigurationError("no list in it", file=str(file), remedy='write [[0.1, ...], {"joint": 0.1}, ...]')
+    yield from (row if isinstance(row, (list, dict)) else [row] for row in content)
+
+
+def _json_line(line: str) -> Row:
+    try:
+        row = json.loads(line)
+    except (ValueError, RecursionError):
+        return [line.strip()[:40]]
+    return row if isinstance(row, (list, dict)) else [row]

@@ -41,8 +41,11 @@ def ik_view(result: InverseKinematics, at: Configuration, *, trace: bool, degree
     ]
     if not bool(result.converged):
         notes.append(_unreached(result))
-    if len(result.trace) > 1 and result.trace[0].time is not None:
-        notes.append("rates are J^+ e per second: the error fades as exp(-t) along the path")
+    if result.trace and result.trace[0].time is not None and result.trace[0].change is not None:
+        names = zip(result.coordinates, result.trace[0].change, strict=True)
+        rates = ", ".join(f"{cut(name)} {float(rate):.5g}" for name, rate in names)
+        notes.append(f"rates to command at the start, J^+ e per second: {rates} (rad/s, m/s)")
+        notes.append("the error fades as exp(-t) along the path that such rates make")
     flat = Table(tuple(result.coordinates), (tuple(float(x) for x in _picked(found, result.coordinates)),))
     return View(title, tuple(tables), tuple(notes), flat=flat)
 

@@ -14,6 +14,7 @@ from kinetostat.errors import cut
 from kinetostat.report.json import nested, number
 from kinetostat.report.rows import Column
 from kinetostat.report.view import Cell, Table, View, configuration_note
+from kinetostat.urdf.description import Robot
 
 if TYPE_CHECKING:
     from kinetostat.analysis.capacity import ForcePolytope, Strongest
@@ -35,6 +36,7 @@ __all__ = [
     "worst_view",
 ]
 
+_HARDLY_FELT = 1e-5  # Nm per N: what rounded angles leave of a force that no joint feels
 _NOISE = 1e-12  # of the largest number in a column: what rounding leaves of a zero
 _ON = {
     "environment": "the robot exerts it on its environment: tau = +J^T F",
@@ -72,6 +74,7 @@ def torque_view(
         (Table(header, tuple(rows), words=True), *(table for section in sections for table in section.tables)),
         (
             *_binding_note(result),
+            *_free_notes(at.robot),
             *(note for section in sections for note in section.notes),
             *_load_notes(result, order),
             configuration_note(at, degrees),
@@ -112,6 +115,12 @@ def _binding_note(result: Torques) -> list[str]:
         more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
         notes.append(f"no effort limit of {names}{more}")
     return notes
+
+
+def _free_notes(robot: Robot) -> list[str]:
+    """Return what the rows of joints without a drive of their own say."""
+    free = [cut(joint.name) for joint in robot.independent if joint.type.nv > 1]
+    return [f"rows of {', '.join(free)}: the wrench that has to hold what floats there"] if free else []
 
 
 def _load_notes(result: Torques, order: Order) -> list[str]:
@@ -287,6 +296,12 @@ def _strongest_note(result: Strongest) -> str:
         return f"no {what} is possible: {joint} exceeds its effort limit without it"
     if math.isinf(value):
         return f"the {what} needs no torque of any joint: without bound (infinite mechanical advantage)"
+    felt = float(np.max(np.abs(result.torques), initial=0.0))
+    if result.quantity == "force" and felt < _HARDLY_FELT:
+        return (
+            f"the {what} is hardly felt: {felt:.1e} Nm per N at most, which files that round angles make of none; "
+            f"by the numbers {value:.3g} {result.unit}, stopped by {joint}"
+        )
     relief = f"; at least {least:.5g} {result.unit} is needed, or a joint exceeds its limit" if least > 0 else ""
     return f"largest {what}: {value:.6g} {result.unit}, stopped by {joint}{relief}"
 

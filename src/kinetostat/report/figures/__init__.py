@@ -7,8 +7,17 @@ imported where something is drawn, not here.
 
 from kinetostat.report.figures.approaches import approach_figure
 from kinetostat.report.figures.arm import manipulability_figure
+from kinetostat.report.figures.polytopes import polytope_figure
 from kinetostat.report.figures.saving import check_suffix, save
 from kinetostat.report.figures.slices import slice_figure
 from kinetostat.report.figures.workspaces import workspace_figure
 
-__all__ = ["approach_figure", "check_suffix", "manipulability_figure", "save", "slice_figure", "workspace_figure"]
+__all__ = [
+    "approach_figure",
+    "check_suffix",
+    "manipulability_figure",
+    "polytope_figure",
+    "save",
+    "slice_figure",
+    "workspace_figure",
+]

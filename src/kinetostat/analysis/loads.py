@@ -18,6 +18,7 @@ from kinetostat.errors import UsageError, quote
 from kinetostat.urdf.description import Joint, JointType, Robot
 
 __all__ = [
+    "SEVERAL_COORDINATES",
     "EffortLimits",
     "Payload",
     "carried",
@@ -29,6 +30,7 @@ __all__ = [
     "load_scale",
 ]
 
+SEVERAL_COORDINATES = "a joint with several coordinates has no effort limit"
 _MOST_FORCE = 1e9  # N, Nm, kg
 
 
@@ -175,7 +177,7 @@ def effort_limits(robot: Robot, given: Mapping[str, float | tuple[float, float]]
                 raise UsageError(message, remedy="write joint=50 or joint=-20:35, for joints with one coordinate")
             lower[where], upper[where] = low, high
         elif joint.type.nv != 1:
-            missing |= dict.fromkeys(joint.velocity_names, "a joint with several coordinates has no effort limit")
+            missing |= dict.fromkeys(joint.velocity_names, SEVERAL_COORDINATES)
         elif effort is None:
             missing[joint.name] = "the file states none"
         elif not 0 < effort < LARGEST_LENGTH:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kinetostat.analysis.loads import SEVERAL_COORDINATES
 from kinetostat.conventions import WRENCH_ROWS, WRENCH_UNITS, Array, Load, Order, Velocity
 from kinetostat.errors import cut
 from kinetostat.report.json import nested, number
@@ -102,13 +103,13 @@ def _percent(share: float) -> str:
 
 
 def _binding_note(result: Torques) -> list[str]:
-    name, missing = result.binding_joint, result.limits.missing
-    notes = []
+    name, notes = result.binding_joint, list[str]()
+    missing = {joint: why for joint, why in result.limits.missing.items() if why != SEVERAL_COORDINATES}
     if name is not None:
         use = float(result.utilisation[result.columns.index(name)])
         verdict = "" if use <= 1 else ": more than the joint can give"
         notes.append(f"{cut(name)} is nearest to its effort limit: {_percent(use)}{verdict}")
-    if missing and len(missing) == len(result.columns):
+    if missing and name is None:
         notes.append("no joint has a usable effort limit (--effort-limits gives them)")
     elif missing:
         names = ", ".join(f"{cut(joint)} ({reason})" for joint, reason in list(missing.items())[:3])

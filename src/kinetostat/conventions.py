@@ -22,7 +22,18 @@ if TYPE_CHECKING:
 else:
     Array = Flags = Any  # a name in annotations only: --help takes its words from here, and should not wait for NumPy
 
-__all__ = ["GRAVITY", "Array", "Flags", "Load", "Order", "Reference", "Velocity", "WrenchOrTwist", "tolerance"]
+__all__ = [
+    "GRAVITY",
+    "Array",
+    "Flags",
+    "Load",
+    "On",
+    "Order",
+    "Reference",
+    "Velocity",
+    "WrenchOrTwist",
+    "tolerance",
+]
 
 TWIST_ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 TWIST_UNITS = ("m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s")
@@ -42,12 +53,15 @@ AGREEMENT = 1e-12
 GRAVITY = (0.0, 0.0, -9.81)  # m/s2, in the root link's axes: what Pinocchio and most simulators take for the Earth's
 
 
+_WORDS = {"WrenchOrTwist": "kind", "On": "side that a wrench acts on"}
+
+
 class Word(StrEnum):
     """A choice among words. Any other word is a UsageError that lists them."""
 
     @classmethod
     def _missing_(cls, value: object) -> Word:
-        raise unknown_name("kind" if cls is WrenchOrTwist else cls.__name__.lower(), str(value), cls)
+        raise unknown_name(_WORDS.get(cls.__name__, cls.__name__.lower()), str(value), cls)
 
 
 class Reference(Word):
@@ -73,6 +87,17 @@ class Order(Word):
     def rows(self) -> list[int]:
         """Indices that take a linear-first six-vector to this order (and back: the swap is its own inverse)."""
         return [0, 1, 2, 3, 4, 5] if self is Order.LINEAR_FIRST else [3, 4, 5, 0, 1, 2]
+
+
+class On(Word):
+    """Whom a given wrench acts on, and so the sign of the torques that hold the robot still.
+
+    environment: the robot exerts it on its surroundings; tau = +J^T F.
+    robot: the surroundings exert it on the robot; tau = -J^T F.
+    """
+
+    ENVIRONMENT = "environment"
+    ROBOT = "robot"
 
 
 class WrenchOrTwist(Word):

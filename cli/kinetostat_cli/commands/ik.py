@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from kinetostat.analysis.inverse.method import Method
 from kinetostat.conventions import Reference
 from kinetostat_cli.console import Answer, configuration, load, refuse, triple, write_answer
 from kinetostat_cli.lists import Answers, ListOption, answer_list
@@ -28,14 +28,6 @@ if TYPE_CHECKING:
     from kinetostat.conventions import Array
 
 __all__ = ["register"]
-
-
-class Method(StrEnum):
-    """How a configuration is looked for."""
-
-    DAMPED = "damped"
-    NEWTON = "newton"
-    PSEUDO_INVERSE = "pseudo-inverse"
 
 
 @grouped
@@ -104,7 +96,7 @@ def ik(
         "point": triple(point, "--point"),
         "seed": seed,
     }
-    way: Any = {"method": method.value, "step": step, "tries": tries}
+    way: Any = {"method": method, "step": step, "tries": tries}
 
     def answer(goal: Any, q: Array) -> Answers:
         return Answers(*report.ik_columns(kinetostat.ik(model, tip, goal, q, **aim, **way), model.robot))

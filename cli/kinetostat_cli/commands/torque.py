@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from kinetostat.conventions import Order
+from kinetostat.conventions import On, Order
 from kinetostat_cli import completion
 from kinetostat_cli.console import Answer, configuration, load, progress_bar, refuse, triple, write_answer
 from kinetostat_cli.lists import Answers, ListOption, answer_list
@@ -29,13 +28,6 @@ if TYPE_CHECKING:
     from kinetostat.conventions import Array
 
 __all__ = ["register"]
-
-
-class On(StrEnum):
-    """Whom the given wrenches act on."""
-
-    ENVIRONMENT = "environment"
-    ROBOT = "robot"
 
 
 @grouped
@@ -143,7 +135,7 @@ def torque(
         )
 
     def answer(q: Array) -> Torques:
-        return kinetostat.torque(model, q, wrenches, on=on.value, **bearing)
+        return kinetostat.torque(model, q, wrenches, on=on, **bearing)
 
     if qs is not None:
         answer_list("torque", model, qs, at, output, lambda q: Answers(*report.torque_columns(answer(q))))

@@ -11,9 +11,9 @@ from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.jacobian import labelled
 from kinetostat.analysis.loads import checked_gravity
-from kinetostat.analysis.statics import On, Torques
+from kinetostat.analysis.statics import Torques
 from kinetostat.analysis.task import TRANSLATION, Task
-from kinetostat.conventions import Array, Reference, Velocity
+from kinetostat.conventions import Array, On, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
 from kinetostat.errors import UsageError, quote

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 
 import numpy as np
 
@@ -20,28 +19,12 @@ from kinetostat.analysis.loads import (
     force_scale,
     load_scale,
 )
-from kinetostat.conventions import Array, Load
+from kinetostat.conventions import Array, Load, On
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
-from kinetostat.errors import UsageError, quote
 from kinetostat.urdf.description import MASSLESS, JointType, Robot
 
-__all__ = ["On", "Reactions", "Torques", "reactions", "torque"]
-
-
-class On(StrEnum):
-    """Whom a given wrench acts on, and so the sign of the torques that hold the robot still.
-
-    environment: the robot exerts it on its surroundings; tau = +J^T F.
-    robot: the surroundings exert it on the robot; tau = -J^T F.
-    """
-
-    ENVIRONMENT = "environment"
-    ROBOT = "robot"
-
-    @classmethod
-    def _missing_(cls, value: object) -> On:
-        raise UsageError(f"a wrench acts on environment or on robot, not on {quote(str(value))}")
+__all__ = ["Reactions", "Torques", "reactions", "torque"]
 
 
 @dataclass(frozen=True, repr=False)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from kinetostat.analysis.inverse.aim import REACHED, Aim
 from kinetostat.analysis.inverse.branches import branches
 from kinetostat.analysis.inverse.damped import solve
 from kinetostat.analysis.inverse.iterate import Step, by_rates, by_steps, newton
+from kinetostat.analysis.inverse.method import Method
 from kinetostat.analysis.inverse.pose import Pose, pose, pose_error
 from kinetostat.analysis.jacobian import checked_point
 from kinetostat.analysis.task import FULL, TRANSLATION, Task
@@ -24,26 +24,9 @@ from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, quote
 from kinetostat.screw import se3
 
-__all__ = ["InverseKinematics", "Method", "Solutions", "ik", "ik_all"]
+__all__ = ["InverseKinematics", "Solutions", "ik", "ik_all"]
 
 _MOST_TRIES = 10_000
-
-
-class Method(StrEnum):
-    """How a configuration is looked for.
-
-    damped: damped least squares inside limits, with restarts.
-    newton: Newton-Raphson as in a textbook: no limits, no restarts.
-    pseudo-inverse: Jacobian inversion, as rates, or as steps of a share f.
-    """
-
-    DAMPED = "damped"
-    NEWTON = "newton"
-    PSEUDO_INVERSE = "pseudo-inverse"
-
-    @classmethod
-    def _missing_(cls, value: object) -> Method:
-        raise UsageError(f"there is no method {quote(str(value))}", remedy="damped, newton or pseudo-inverse")
 
 
 @dataclass(frozen=True, repr=False)

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = ["register"]
 
+_SAMPLES = 2000
+
 
 @grouped
 def torque(
@@ -77,7 +79,9 @@ def torque(
     worst: Annotated[
         bool, typer.Option("--worst", help="The worst gravity torque of each joint over all configurations in limits.")
     ] = False,
-    samples: Annotated[int, typer.Option(min=1, metavar="N", help="Random configurations of --worst.")] = 2000,
+    samples: Annotated[
+        int | None, typer.Option(min=1, metavar="N", help="Random configurations of --worst. Default: 2000.")
+    ] = None,
     effort_limits: Annotated[
         str | None,
         typer.Option(
@@ -115,10 +119,13 @@ def torque(
     )
     whole = {"--expressed-in": expressed_in, "--point": point, "--axes": axes}
     refuse(largest is None, whole, "belongs to --max", "add --max")
+    refuse(not worst, {"--samples": samples}, "belongs to --worst", "add --worst")
     refuse(not wrench, {"--in": axes_of}, "belongs to --wrench", "add --wrench")
     if plot is not None:
         _check_plot(plot, largest)
     model = load(robot, output)
+    if frame is not None:
+        model.robot.frame(frame)
     down: Any = triple(gravity_vector, "--gravity-vector") or gravity or worst or largest is not None
     bearing = {
         "gravity": down,
@@ -174,15 +181,15 @@ def torque(
 
 
 def _write_worst(
-    model: Model, at: ConfigurationOptions, output: OutputOptions, samples: int, bearing: dict[str, Any]
+    model: Model, at: ConfigurationOptions, output: OutputOptions, samples: int | None, bearing: dict[str, Any]
 ) -> None:
     """Answer `torque --worst`; joints with several coordinates are held at the configuration."""
     import kinetostat
     from kinetostat.report import torque as report
 
-    q = configuration(model, at)
+    q = kinetostat.configuration(model, at.config, degrees=at.deg, quaternion_first=at.quat.value[0])
     with progress_bar() as tell:
-        found = kinetostat.worst_torques(model, q.q, samples=samples, progress=tell, **bearing)
+        found = kinetostat.worst_torques(model, q.q, samples=samples or _SAMPLES, progress=tell, **bearing)
     write_answer(
         Answer(
             "torque",

@@ -10,7 +10,6 @@ import numpy as np
 from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.jacobian import labelled
-from kinetostat.analysis.loads import checked_gravity
 from kinetostat.analysis.statics import Torques
 from kinetostat.analysis.task import TRANSLATION, Task
 from kinetostat.conventions import Array, On, Reference, Velocity
@@ -20,6 +19,7 @@ from kinetostat.errors import UsageError, quote
 
 __all__ = ["ForcePolytope", "Strongest", "force_polytope", "strongest"]
 
+_DIRECTIONS = "x, -z, three numbers x,y,z, or payload"
 _NO_TORQUE = 1e-9  # of a unit force's largest possible torque: below it a joint does not feel the force
 
 
@@ -82,7 +82,7 @@ def strongest(
         model: the robot.
         frame: the link that exerts the force, or holds the payload.
         q: configurations (..., nq).
-        direction: (3,), or "payload": down along gravity, in kg.
+        direction: (3,); "x", "-z" and the like; or "payload": what is held up against gravity, in kg.
         rest: what loads the robot besides, and the effort limits: a result of `torque` at the same q.
         expressed_in: in whose axes the direction is; default the root link's.
         point: the point of the frame that it passes through, in m; default the frame's origin.
@@ -125,15 +125,18 @@ def strongest(
 
 def _unit(rest: Torques, direction: Sequence[float] | str) -> tuple[Array, float, str]:
     """Return the unit vector of a force, its size in N for one unit of the quantity, and what the quantity is."""
+    if isinstance(direction, str) and direction.lstrip("+-") in ("x", "y", "z"):
+        direction = [(-1.0 if direction[0] == "-" else 1.0) * (direction[-1] == axis) for axis in "xyz"]
     if isinstance(direction, str):
         if direction != "payload":
-            raise UsageError(f"there is no direction {quote(direction)}", remedy="x, -z, X,Y,Z, or payload")
-        down = rest.gravity_vector if np.any(rest.gravity_vector) else checked_gravity(gravity=True)
-        size = float(np.linalg.norm(down))
-        return -down / size, size, "payload"  # the robot holds it up
+            raise UsageError(f"there is no direction {quote(direction)}", remedy=_DIRECTIONS)
+        size = float(np.linalg.norm(rest.payload_gravity))
+        if size == 0:
+            raise UsageError("without gravity a payload has no weight", remedy="leave out --gravity-vector 0,0,0")
+        return -rest.payload_gravity / size, size, "payload"  # the robot holds it up
     vector = np.asarray(direction, dtype=np.float64)
     if vector.shape != (3,) or not np.all(np.isfinite(vector)) or not np.any(vector):
-        raise UsageError("a direction has three finite numbers that are not all zero", remedy="for instance 0,0,-1")
+        raise UsageError("a direction has three finite numbers that are not all zero", remedy=_DIRECTIONS)
     vector = vector / np.max(np.abs(vector))
     return vector / np.linalg.norm(vector), 1.0, "force"
 
@@ -240,13 +243,13 @@ def force_polytope(
     rest.limits.refuse([rest.columns[i] for i in felt], "the force polytope")
     from kinetostat.analysis.polytope import polytope
 
-    lower, upper = (side[felt] - rest.total[felt] for side in (rest.limits.lower, rest.limits.upper))
-    found = polytope(sign * rows[:, felt].T, lower, upper)
+    lower, upper = rest.limits.lower - rest.total, rest.limits.upper - rest.total
+    over = [i for i in range(len(lower)) if i not in felt and not lower[i] <= 0 <= upper[i] and lower[i] < upper[i]]
+    found = None if over else polytope(sign * rows[:, felt].T, lower[felt], upper[felt])
     if found is None:
-        raise UsageError(
-            "the effort limits are exceeded without any force, and no force relieves them",
-            remedy="change the configuration, the loads, or --effort-limits",
-        )
+        which = f"the effort limit of joint {quote(rest.columns[over[0]])} is" if over else "effort limits are"
+        message = f"{which} exceeded without any force, and no force relieves that"
+        raise UsageError(message, remedy="change the configuration, the loads, or --effort-limits")
     return ForcePolytope(
         velocity,
         task,

@@ -90,7 +90,7 @@ class Coordinates:
         start = np.where(np.isfinite(lower) & np.array(self.periodic), lower, wrapped)
         turns = 2 * math.pi * np.ceil((start - _SLACK - wrapped) / (2 * math.pi))
         least = wrapped + np.where(self.periodic, turns, 0.0)
-        return np.where(self._between(wrapped), wrapped, np.where(self._between(least), least, wrapped))
+        return np.where(self.between(wrapped), wrapped, np.where(self.between(least), least, wrapped))
 
     def near(self, q: Array, origin: Array) -> Array:
         """Return coordinates with angles turned by whole turns to the one nearest to `origin` that limits allow.
@@ -101,7 +101,7 @@ class Coordinates:
         chosen = self.into_limits(q)
         for turns in (1, -1, 0):
             there = near + np.where(self.periodic, 2 * math.pi * turns, 0.0)
-            chosen = np.where(self._between(there), there, chosen)
+            chosen = np.where(self.between(there), there, chosen)
         return chosen
 
     def wrapped(self, q: Array) -> Array:
@@ -110,13 +110,14 @@ class Coordinates:
 
     def inside(self, q: Array) -> Flags:
         """Return for each coordinate whether it is inside its limits, angles by whole turns. (..., n) -> (..., n)."""
-        return self._between(self.into_limits(q))
+        return self.between(self.into_limits(q))
 
     def within(self, q: Array) -> bool:
         """Return whether coordinates as they stand are inside their limits. (n,)."""
-        return bool(np.all(self._between(q)))
+        return bool(np.all(self.between(q)))
 
-    def _between(self, q: Array) -> Flags:
+    def between(self, q: Array) -> Flags:
+        """Return for each coordinate whether it is inside its limits as it stands. (..., n) -> (..., n)."""
         lower, upper = self.stated_limits
         between: Flags = (q >= lower - _SLACK) & (q <= upper + _SLACK)
         return between

@@ -149,9 +149,12 @@ class EffortLimits:
         lost = [name for name in names if name in self.missing]
         if lost:
             more = f" (and {len(lost) - 1} more)" if len(lost) > 1 else ""
+            reason, remedy = self.missing[lost[0]], f"give it: --effort-limits {lost[0]}=50, or =-20:35"
+            if reason == SEVERAL_COORDINATES:
+                remedy = "nothing drives it: hold the base, or the joint"
             raise UsageError(
-                f"{question} needs the effort limit of joint {quote(lost[0])}{more}: {self.missing[lost[0]]}",
-                remedy=f"give it: --effort-limits {lost[0]}=50, or =-20:35",
+                f"{question} needs the effort limit of joint {quote(lost[0])}{more}: {reason}",
+                remedy=remedy,
             )
 
 

@@ -39,6 +39,7 @@ class Torques:
         payload: the payload, or None.
         exerted: all loads with the sign of what the robot exerts, the weight of the payload too.
         gravity_vector: the acceleration of gravity in the root's axes, (3,), m/s2; zero where links have no weight.
+        payload_gravity: the same for the payload, (3,): 9.81 down the root's z where `gravity_vector` is left out.
         torques: from the wrenches, (..., n).
         gravity: from the weight of the links, (..., n).
         from_payload: from the weight of the payload, (..., n).
@@ -55,6 +56,7 @@ class Torques:
     payload: Payload | None
     exerted: tuple[Load, ...]
     gravity_vector: Array
+    payload_gravity: Array
     torques: Array
     gravity: Array
     from_payload: Array
@@ -78,6 +80,8 @@ class Torques:
     def binding(self) -> Array:
         """Index of the coordinate with the largest utilisation, -1 where none has a limit. (...)."""
         used = self.utilisation
+        if not self.columns:
+            return np.full(used.shape[:-1], -1)
         return np.where(np.all(np.isnan(used), -1), -1, np.argmax(np.nan_to_num(used, nan=-1.0), -1))
 
     @property
@@ -122,7 +126,8 @@ def torque(
     """
     robot, q, on = model.robot, checked(model.robot, q), On(on)
     down, none = checked_gravity(gravity), np.zeros(3)
-    pull = checked_gravity(payload is not None if gravity is None else gravity)
+    # A payload has its weight in any case: without gravity of the links, 9.81 m/s2 down the root's z.
+    pull = checked_gravity(True) if gravity is None or gravity is False else down
     exerted = [replace(load, wrench=-load.wrench) for load in wrenches] if on is On.ROBOT else list(wrenches)
     held = carried(robot, payload, pull)
 
@@ -144,6 +149,7 @@ def torque(
         payload,
         loads,
         down,
+        pull,
         value[..., 0, :],
         value[..., 1, :],
         value[..., 2, :],

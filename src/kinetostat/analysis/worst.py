@@ -114,7 +114,7 @@ def worst_torques(
         best = max(range(len(found)), key=lambda k: abs(found[k][0]))
         worst.append(found[best][0])
         witnesses.append(found[best][1])
-        agreed.append(sum(abs(abs(value) - abs(worst[-1])) <= _AGREE * max(1.0, abs(worst[-1])) for value, _ in found))
+        agreed.append(sum(abs(abs(value) - abs(worst[-1])) <= _AGREE * abs(worst[-1]) for value, _ in found))
     at = np.array(witnesses)
     proof = torque(model, at, gravity=down, payload=payload, limits=limits)
     columns = robot.velocity_columns(joints)

@@ -311,6 +311,7 @@ class PinocchioEngine:
                     if other.parentJoint == frame.parentJoint and other.type == pin.FrameType.FIXED_JOINT:
                         brought = other.placement.act(other.inertia)
                         mass, moment = mass - brought.mass, moment - brought.mass * brought.lever
+                moment = frame.placement.rotation.T @ (moment - mass * frame.placement.translation)
             shares.append((mass, moment) if frame.type == _BODY else (0.0, np.zeros(3)))
         return shares
 

@@ -69,7 +69,8 @@ def torque_view(
         cells = [_shown(float(values[i]), scale) for _, values in columns]
         rows.append((name, *cells, result.units[i], _limit(result.limits, i), _percent(float(used[i]))))
     header = ("joint", *(name for name, _ in columns), "unit", "limit", "use")
-    title = f"joint torques that hold the robot still ({', '.join(name for name, _ in shown)})"
+    bearing = ", ".join(name for name, _ in shown) or "no load"
+    title = f"joint torques that hold the robot still ({bearing})"
     return View(
         title,
         (Table(header, tuple(rows), words=True), *(table for section in sections for table in section.tables)),
@@ -80,7 +81,7 @@ def torque_view(
             *_load_notes(result, order),
             configuration_note(at, degrees),
         ),
-        flat=_flat(result),
+        flat=next((section.tables[0] for section in reversed(sections) if section.tables), None) or _flat(result),
     )
 
 
@@ -105,7 +106,7 @@ def _percent(share: float) -> str:
 def _binding_note(result: Torques) -> list[str]:
     name, notes = result.binding_joint, list[str]()
     missing = {joint: why for joint, why in result.limits.missing.items() if why != SEVERAL_COORDINATES}
-    if name is not None:
+    if name is not None and np.any(result.total):
         use = float(result.utilisation[result.columns.index(name)])
         verdict = "" if use <= 1 else ": more than the joint can give"
         notes.append(f"{cut(name)} is nearest to its effort limit: {_percent(use)}{verdict}")
@@ -145,7 +146,7 @@ def _payload_note(payload: Payload) -> str:
 
 
 def _triple(vector: Sequence[float] | Array) -> str:
-    return ", ".join(f"{float(part):.5g}" for part in vector)
+    return ", ".join(f"{float(part) + 0.0:.5g}" for part in vector)
 
 
 def _at(at: Velocity) -> str:

@@ -10,6 +10,8 @@ from kinetostat.analysis.coordinates import Coordinates
 from kinetostat.analysis.inverse.pose import pose_error
 from kinetostat.analysis.task import FULL, Task, characteristic_length
 from kinetostat.conventions import Array
+from kinetostat.screw import so3
+from kinetostat.screw.adjoint import cross
 
 __all__ = ["REACHED", "Aim"]
 
@@ -58,16 +60,22 @@ class Aim:
         return self.scaled(pose_error(placement, target, local=self.local))
 
     def linear(self, q: Array, target: Array) -> tuple[Array, Array]:
-        """Return the scaled error e, (..., m), and J, (..., m, n), with de = -J dq, dq in units of coordinates.
+        """Return the scaled error e, (..., m), and -de/dq, (..., m, n), q in units of coordinates.
 
-        At the target that is the error's derivative; away from it the rotation vector's differs by what a turn to the
-        target does, which is left out, as usual: steps by J still lead downhill (B. Siciliano et al., "Robotics", 2009,
-        section 3.7.3).
+        With r = log(R* R^T) and the tool's velocity (v ; w): d(p* - p) = -v dt and dr = -B(-r) w dt, B the inverse of
+        so(3)'s left Jacobian. In the tool's axes, where e = (p ; r): dp = -(v + w x p) dt and dr = -B(r) w dt. At the
+        target both are the Jacobian's rows (J. Sola et al., "A micro Lie theory", 2018, section II.G).
         """
         columns, placement = self.joints.chain.columns(q)
-        matrix = columns @ self.joints.chain.fold
+        matrix, error = columns @ self.joints.chain.fold, pose_error(placement, target, local=self.local)
+        linear, angular = matrix[..., :3, :], matrix[..., 3:, :]
         if self.local:
             back = np.swapaxes(placement[..., :3, :3], -1, -2)
-            matrix = np.concatenate([back @ matrix[..., :3, :], back @ matrix[..., 3:, :]], -2)
-        rows = np.swapaxes(self.scaled(np.swapaxes(matrix, -1, -2)), -1, -2) * self.units
-        return self.scaled(pose_error(placement, target, local=self.local)), rows
+            linear, angular = back @ linear, back @ angular
+            linear = linear + cross(angular, error[..., :3, None])
+        if self.task.angular:
+            turn = error[..., 3:] if self.local else -error[..., 3:]
+            angular = so3.inverse_left_jacobian(turn) @ angular
+        slope = np.concatenate([linear, angular], -2)
+        rows = np.swapaxes(self.scaled(np.swapaxes(slope, -1, -2)), -1, -2) * self.units
+        return self.scaled(error), rows

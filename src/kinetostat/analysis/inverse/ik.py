@@ -211,7 +211,7 @@ def _checked(model: Model, frame: str, observer: str, point: Sequence[float], q:
 
 
 def _inside(joints: Coordinates, q: Array) -> Flags:
-    return np.asarray(np.all(joints.inside(q), axis=-1))
+    return np.asarray(np.all(joints.between(q), axis=-1))
 
 
 def _about_freedom(aim: Aim) -> tuple[str, ...]:

@@ -25,6 +25,8 @@ bench: $(READY)
 	$(BIN)/python benchmarks/latency.py
 	$(BIN)/python benchmarks/batch.py
 	$(BIN)/python benchmarks/singular.py
+	$(BIN)/python benchmarks/torques.py
+	$(BIN)/python benchmarks/inverse.py
 
 agreement: $(READY)
 	$(BIN)/python benchmarks/agreement.py

@@ -60,6 +60,8 @@ def answer_list(
     # One row first: it tells the columns, and what is wrong with the question is said before anything else.
     blank = evaluate(kind.blank)
     proofs, count, failed, as_json = [blank.certificate], 0, 0, output.format is Format.JSON
+    rows = batches(file, kind)
+    first = list(itertools.islice(rows, 1))  # what is wrong with the file is said before anything is written
     with opened(output) as write, progress_bar() as tell:
         head = (
             form.json_head(opening(f"{command}.rows", model), blank.columns)
@@ -67,7 +69,7 @@ def answer_list(
             else form.csv_head(blank.columns)
         )
         write(head)
-        for batch in batches(file, kind):
+        for batch in itertools.chain(first, rows):
             columns, reasons = blank.columns, batch.reasons
             if len(batch.values):
                 found = evaluate(batch.values)
@@ -85,7 +87,8 @@ def answer_list(
         if as_json:
             write(form.json_foot(closing(proofs[0], ())))
     lost = f", {failed} of them without an answer" if failed else ""
-    say("warning" if failed else "note", f"{count} rows{lost}; {certificate_note(proofs[0])}")
+    rows_read = "1 row" if count == 1 else f"{count} rows"
+    say("warning" if failed else "note", f"{rows_read}{lost}; {certificate_note(proofs[0])}")
     exit_if_apart(proofs[0], model)
 
 

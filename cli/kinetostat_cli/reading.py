@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 import json
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,13 +30,13 @@ class RowKind:
     """What the rows of a list are, and how numbers become it.
 
     Attributes:
-        option: the option that names the file.
+        columns: names of the columns that count, if a list holds more; None: all of them.
         blank: one sound value, (1, ...): an empty list still has columns.
         many: from rows of numbers (m, k) and the names of their columns, or None, to values (m, ...).
         named: from a mapping of names to numbers to one value (1, ...).
     """
 
-    option: str
+    columns: tuple[str, ...] | None
     blank: Array
     many: Callable[[Array, Sequence[str] | None], Array]
     named: Callable[[Mapping[str, Any]], Array]
@@ -64,25 +65,26 @@ def configuration_rows(model: Model, at: ConfigurationOptions) -> RowKind:
         return kinetostat.configuration(model, row, degrees=at.deg, quaternion_first=first).q[None]
 
     # Not zero, where an answer may be special.
-    return RowKind("--qs", kinetostat.random_configurations(model, 0, 1), many, named)
+    coordinates = tuple(name for joint in model.robot.independent for name in joint.position_names)
+    return RowKind(coordinates, kinetostat.random_configurations(model, 0, 1), many, named)
 
 
-def pose_rows(at: ConfigurationOptions) -> RowKind:
-    """Return how rows become poses (m, 4, 4): of 3, 6, 7, 12 or 16 numbers, as --pose takes them."""
+def pose_rows(at: ConfigurationOptions, *, oriented: bool) -> RowKind:
+    """Return how rows become poses (m, 4, 4): of 6, 7, 12 or 16 numbers, as --pose takes them; or of positions too."""
     import numpy as np
 
     import kinetostat
 
     def many(values: Array, names: Sequence[str] | None) -> Array:  # noqa: ARG001 (a header is for people)
         poses = [kinetostat.pose(row, degrees=at.deg, quaternion_first=at.quat.value[0]) for row in values]
-        if not all(pose.oriented for pose in poses):
-            raise kinetostat.UsageError("a pose without an orientation", remedy="give positions by --pose, one by one")
+        if oriented and not all(pose.oriented for pose in poses):
+            raise kinetostat.UsageError("a pose without an orientation", remedy="--axes xyz takes positions")
         return np.array([pose.matrix for pose in poses]).reshape(-1, 4, 4)
 
     def named(row: Mapping[str, Any]) -> Array:
         raise kinetostat.UsageError(f"a pose is a row of numbers, not {len(row)} names")
 
-    return RowKind("--poses", np.eye(4)[None], many, named)
+    return RowKind(None, np.eye(4)[None], many, named)
 
 
 def batches(file: Path, kind: RowKind) -> Iterator[Batch]:
@@ -95,8 +97,10 @@ def batches(file: Path, kind: RowKind) -> Iterator[Batch]:
 
     rows, number, names = _rows(file), 0, None
     for first in rows:
-        if not isinstance(first, Mapping) and _floats([first]) is None:
-            names = [str(cell).strip() for cell in first]
+        if not isinstance(first, Mapping) and _floats([first]) is None and any(str(cell).strip() for cell in first):
+            names = [_without_unit(str(cell)) for cell in first]
+            if kind.columns is not None and (names[0], names[-1]) == ("row", "reason"):
+                names, rows = _own_columns(names, rows, kind.columns)
             kind.many(np.zeros((0, len(names))), names)  # a wrong name is said once, not in every row
         else:
             rows = itertools.chain([first], rows)
@@ -105,6 +109,21 @@ def batches(file: Path, kind: RowKind) -> Iterator[Batch]:
         numbers = range(number + 1, number + len(batch) + 1)
         number += len(batch)
         yield _batch(kind, numbers, batch, names)
+
+
+def _without_unit(name: str) -> str:
+    """Return the name of a column whose header may tell a unit: `elbow [rad]`."""
+    return re.sub(r" \[[^\]]*\]$", "", name.strip())
+
+
+def _own_columns(names: list[str], rows: Iterator[Row], wanted: Sequence[str]) -> tuple[list[str], Iterator[Row]]:
+    """Return the columns that count of a list that this tool has written: `ik --poses` answers `torque --qs`."""
+    places = [i for i, name in enumerate(names) if name in wanted]
+    return [names[i] for i in places], (_picked(row, places) for row in rows)
+
+
+def _picked(row: Row, places: Sequence[int]) -> Row:
+    return row if isinstance(row, Mapping) else [row[i] for i in places if i < len(row)]
 
 
 def _batch(kind: RowKind, numbers: range, rows: list[Row], names: list[str] | None) -> Batch:
@@ -138,6 +157,8 @@ def _numbers(row: Sequence[Any]) -> Array:
     from kinetostat.errors import ConfigurationError, quote
 
     numbers = _floats([row])
+    if not any(str(cell).strip() for cell in row):
+        raise ConfigurationError("an empty row")
     if numbers is None:
         wrong = next((str(cell) for cell in row if _floats([[cell]]) is None), "")
         raise ConfigurationError(f"{quote(wrong)} is not a number")
@@ -181,7 +202,7 @@ def _rows(file: Path) -> Iterator[Row]:
 
 def _csv_rows(text: Any) -> Iterator[Row]:
     for row in csv.reader(text):
-        if any(cell.strip() for cell in row):
+        if row:  # a blank line separates; a row of empty cells is one without an answer
             yield row
 
 

@@ -67,7 +67,9 @@ def has(found, q):
 # --- counts ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("at", "count"), [((1.0, 0.5), 2), ((-1.2, 0.3), 2), ((0.25, 0.0), 2), ((1.8, 0), 1), ((2, 0), 0)])
+@pytest.mark.parametrize(
+    ("at", "count"), [((1.0, 0.5), 2), ((-1.2, 0.3), 2), ((0.25, 0.0), 2), ((1.8, 0), 1), ((2, 0), 0)]
+)
 def test_two_links_have_two_elbows_one_where_stretched_none_beyond(at, count):
     model = textbook("planar_2r")
     found = ks.ik_all(model, "tool", (*at, 0.0), np.zeros(2), axes="xy")
@@ -240,6 +242,14 @@ def test_a_wrist_whose_axes_fall_together_has_infinitely_many():
     target = ks.fk(model, "tool", np.array([0.1, 0.2, 0.3, 0.4, 0.0, 0.6])).matrix
     found = ks.ik_all(model, "tool", target, np.zeros(6))
     assert not found.complete
+
+
+def test_of_infinitely_many_a_few_are_listed():
+    """Of a closed solution, too: the UR5 stretched out straight ahead."""
+    model = robot("example:ur5_robot")
+    found = ks.ik_all(model, "tool0", ks.fk(model, "tool0", np.zeros(6)).matrix, np.zeros(6))
+    assert "infinitely many" in found.why
+    assert len(found.q) <= 8
 
 
 def test_out_of_reach_there_is_none():

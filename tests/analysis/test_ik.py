@@ -173,9 +173,7 @@ def test_local_rows_are_those_of_the_tool():
     """A drill may turn about its own axis: five rows bring its point and its axis there, whatever the start."""
     model = example("ur5_robot")
     target = ks.fk(model, "tool0", ks.random_configurations(model, 3, 20)).matrix
-    found = ks.ik(
-        model, "tool0", target, ks.random_configurations(model, 4, 20), axes="xyz rx ry", reference="local"
-    )
+    found = ks.ik(model, "tool0", target, ks.random_configurations(model, 4, 20), axes="xyz rx ry", reference="local")
     assert np.all(found.converged)
     here = ks.fk(model, "tool0", found.q).matrix
     assert_same(here[:, :3, 3], target[:, :3, 3], atol=1e-8)
@@ -369,7 +367,7 @@ def test_above_a_stretched_arm_misses_by_how_far_above(beyond):
     top = ks.fk(model, "wrist_1_link", upright).matrix[:3, 3]
     many = ks.fk(model, "wrist_1_link", ks.random_configurations(model, 1, 2000)).matrix[:, 2, 3]
     assert top[2] > np.max(many)
-    found = ks.ik(model, "wrist_1_link", top + [0, 0, beyond], np.zeros(6))
+    found = ks.ik(model, "wrist_1_link", top + np.array([0, 0, beyond]), np.zeros(6))
     assert not found.converged
     assert found.position_residual == pytest.approx(beyond, abs=5e-7)
 
@@ -459,7 +457,7 @@ def test_far_coordinates_that_slides_reach():
 @pytest.mark.parametrize(("label", "words"), SIX)
 def test_far_poses_are_missed_and_no_more(far, label, words):
     model = example("ur5_robot")
-    found = ks.ik(model, "tool0", (far, 0, 0, 0, 0, 0), np.zeros(6), **({"tries": 3} if not words else words))
+    found = ks.ik(model, "tool0", (far, 0, 0, 0, 0, 0), np.zeros(6), **(words or {"tries": 3}))
     assert not found.converged
     assert found.position_residual == pytest.approx(far, abs=1.5, rel=1e-9)
     assert np.all(np.isfinite(found.q))
@@ -628,6 +626,36 @@ def test_newton_that_diverges_says_so():
     assert not found.converged
     assert np.all(np.isfinite(found.q))
     assert found.certificate.agree
+
+
+# --- found wanting -----------------------------------------------------------------------------------------------
+
+
+def test_limits_of_a_follower_hold_too():
+    """The leader may go where its follower may; a configuration beyond is warned of everywhere else."""
+    model = chain(HALF, ("revolute", -0.1, 0.1, '<mimic joint="j0"/>'))
+    beyond = ks.fk(model, "tip", np.array([2.0])).matrix
+    found = ks.ik(model, "tip", beyond, np.zeros(1))
+    assert not (found.inside_limits and ks.configuration(model, found.q).warnings)
+
+
+def test_shapes_that_do_not_go_together_are_refused():
+    with pytest.raises(ks.UsageError):
+        ks.ik(example("ur5_robot"), "tool0", np.tile(np.eye(4), (3, 1, 1)), np.zeros((2, 6)))
+
+
+@pytest.mark.parametrize("asked", [ks.ik, ks.ik_all])
+def test_a_seed_that_is_none_is_refused(asked):
+    with pytest.raises(ks.UsageError):
+        asked(textbook("planar_2r"), "tool", (1.0, 0.5, 0), np.zeros(2), seed=-1)
+
+
+@pytest.mark.parametrize("far", [1e6, 1e9, 1e12])
+def test_slides_without_limits_go_far_or_say_that_they_do_not(far):
+    model = chain(("revolute", -1e308, 1e308), ("prismatic", -1e308, 1e308))
+    found = ks.ik(model, "tip", (far, far / 10, 0), np.zeros(2), tries=3)
+    assert found.certificate.agree
+    assert np.all(np.isfinite(found.q))
 
 
 # --- refusals ----------------------------------------------------------------------------------------------------

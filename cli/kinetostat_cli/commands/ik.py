@@ -68,7 +68,7 @@ def ik(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Solve for each pose of a list: rows of 6, 7, 12 or 16 numbers, read and answered as --qs.",
+            help="Solve for each pose of a list: rows of numbers as of --pose, answered as --qs.",
         ),
     ] = None,
 ) -> None:
@@ -80,6 +80,7 @@ def ik(
     Example: kinetostat ik example:ur5_robot -f tool0 --pose 0.4,0.2,0.5,0,0,0
     """
     import kinetostat
+    from kinetostat.analysis.task import Task
     from kinetostat.report import ik as report
 
     refuse(poses is not None, {"--pose": pose, "--qs": qs}, "does not go with --poses", "choose one")
@@ -103,7 +104,9 @@ def ik(
 
     if poses is not None:
         start = configuration(model, at)
-        answer_list("ik", model, poses, at, output, lambda goals: answer(goals, start.q), pose_rows(at))
+        turned = axes is None or bool(Task.named(axes).angular)
+        kind = pose_rows(at, oriented=turned)
+        answer_list("ik", model, poses, at, output, lambda goals: answer(kinetostat.Pose(goals, turned), start.q), kind)
         return
     goal = _pose(pose or "", at)
     if qs is not None:

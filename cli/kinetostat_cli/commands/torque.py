@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,7 +25,7 @@ from kinetostat_cli.options import (
 )
 
 if TYPE_CHECKING:
-    from kinetostat import Configuration, ForcePolytope, Load, Model, Payload, Torques
+    from kinetostat import Configuration, ForcePolytope, Load, Model, Payload, Strongest, Torques
     from kinetostat.conventions import Array
 
 __all__ = ["register"]
@@ -73,7 +74,8 @@ def torque(
         typer.Option(
             "--max",
             metavar="X,Y,Z|x|-z|payload|all",
-            help="The largest force of --frame along a direction that effort limits allow, or payload; or all forces.",
+            help="The largest force of --frame along a direction that effort limits allow, or payload; or all forces. "
+            "The links' weight counts (--gravity-vector 0,0,0 leaves it out).",
         ),
     ] = None,
     worst: Annotated[
@@ -114,58 +116,48 @@ def torque(
 
     single = {"--wrench": wrench, "--reactions": reactions or None, "--max": largest, "--qs": qs}
     refuse(worst, single, "does not go with --worst", "leave one of the two out")
-    refuse(
-        qs is not None, {"--reactions": reactions or None, "--max": largest}, "does not go with --qs", "leave it out"
-    )
-    whole = {"--expressed-in": expressed_in, "--point": point, "--axes": axes}
-    refuse(largest is None, whole, "belongs to --max", "add --max")
+    whole = {"--reactions": reactions or None, "--max all": (largest == "all") or None}
+    refuse(qs is not None, whole, "does not go with --qs", "leave it out")
+    about = {"--expressed-in": expressed_in, "--point": point, "--axes": axes}
+    refuse(largest is None, about, "belongs to --max", "add --max")
     refuse(not worst, {"--samples": samples}, "belongs to --worst", "add --worst")
     refuse(not wrench, {"--in": axes_of}, "belongs to --wrench", "add --wrench")
     if plot is not None:
         _check_plot(plot, largest)
     model = load(robot, output)
-    if frame is not None:
-        model.robot.frame(frame)
+    tip = model.robot.frame(frame or model.robot.default_tip()) if frame or payload or largest else None
     down: Any = triple(gravity_vector, "--gravity-vector") or gravity or worst or largest is not None
-    bearing = {
-        "gravity": down,
-        "payload": _payload(model, payload, frame),
-        "limits": by_joint(effort_limits, "--effort-limits"),
-    }
+    held, limits = _payload(payload, tip), by_joint(effort_limits, "--effort-limits")
+    bearing: Any = {"gravity": down, "payload": held, "limits": limits}
     if worst:
         _write_worst(model, at, output, samples, bearing)
         return
     wrenches = _wrenches(model, wrench or [], axes_of or [], order)
-    if not wrenches and not down and payload is None:
-        raise kinetostat.UsageError(
-            "nothing loads the robot", remedy="give --wrench, --gravity, --payload, --max, --worst"
-        )
-
-    def answer(q: Array) -> Torques:
-        return kinetostat.torque(model, q, wrenches, on=on, **bearing)
-
+    if not wrenches and not down and held is None:
+        remedy = "give --wrench, --gravity, --payload, --max, --worst"
+        raise kinetostat.UsageError("nothing loads the robot", remedy=remedy)
+    where = {"expressed_in": expressed_in, "point": triple(point, "--point")}
+    question = _Question(model, wrenches, on, bearing, tip, largest, where, axes)
     if qs is not None:
-        answer_list("torque", model, qs, at, output, lambda q: Answers(*report.torque_columns(answer(q))))
+        answer_list("torque", model, qs, at, output, question.row)
         return
     q = configuration(model, at)
-    result = answer(q.q)
+    result = question.torques(q.q)
     sections, proofs, warnings = list[report.Section](), [result.certificate], list(result.warnings)
     if reactions:
         between = kinetostat.reactions(model, q.q, result)
         sections.append(report.reactions_section(between, order))
         proofs.append(between.certificate)
-    if largest is not None:
-        tip = model.robot.frame(frame or model.robot.default_tip())
-        where: Any = {"expressed_in": expressed_in, "point": triple(point, "--point")}
-        if largest == "all":
-            found: Any = kinetostat.force_polytope(model, tip, q.q, result, axes=axes, **where)
-            sections.append(report.polytope_section(found))
-            warnings += found.warnings
-            _draw(plot, model, found, q)
-        else:
-            found = kinetostat.strongest(model, tip, q.q, _direction(largest), result, **where)
-            sections.append(report.strongest_section(found))
-        proofs.append(found.certificate)
+    if largest == "all":
+        forces = question.all_forces(q.q, result)
+        sections.append(report.polytope_section(forces))
+        proofs.append(forces.certificate)
+        warnings += forces.warnings
+        _draw(plot, model, forces, q)
+    elif largest is not None:
+        most = question.largest_force(q.q, result)
+        sections.append(report.strongest_section(most))
+        proofs.append(most.certificate)
     write_answer(
         Answer(
             "torque",
@@ -178,6 +170,48 @@ def torque(
         ),
         output,
     )
+
+
+@dataclass(frozen=True)
+class _Question:
+    """What is asked, apart from the configuration."""
+
+    model: Model
+    wrenches: list[Load]
+    on: On
+    bearing: Any
+    frame: str | None
+    direction: str | None
+    where: Any
+    axes: str | None
+
+    def torques(self, q: Array) -> Torques:
+        """Return the joint torques."""
+        import kinetostat
+
+        return kinetostat.torque(self.model, q, self.wrenches, on=self.on, **self.bearing)
+
+    def largest_force(self, q: Array, rest: Torques) -> Strongest:
+        """Return the largest force along the direction, or payload."""
+        import kinetostat
+
+        text = self.direction or ""
+        direction = triple(text, "--max x|-z|payload|all or") if "," in text else text
+        return kinetostat.strongest(self.model, self.frame or "", q, direction or "", rest, **self.where)
+
+    def all_forces(self, q: Array, rest: Torques) -> ForcePolytope:
+        """Return the force polytope."""
+        import kinetostat
+
+        return kinetostat.force_polytope(self.model, self.frame or "", q, rest, axes=self.axes, **self.where)
+
+    def row(self, q: Array) -> Answers:
+        """Return the columns of a list."""
+        from kinetostat.report import torque as report
+
+        found = self.torques(q)
+        most = None if self.direction is None else self.largest_force(q, found)
+        return Answers(*report.torque_columns(found, most))
 
 
 def _write_worst(
@@ -220,17 +254,22 @@ def _check_plot(plot: Path, largest: str | None) -> None:
         raise UsageError("--plot draws the forces of --max all", remedy="add --max all")
 
 
-def _payload(model: Model, text: str | None, frame: str | None) -> Payload | None:
+def _payload(text: str | None, frame: str | None) -> Payload | None:
     """Return the payload of an option KG[@X,Y,Z], held by the frame."""
-    if text is None:
+    if text is None or frame is None:
         return None
     import kinetostat
+    from kinetostat.errors import quote
     from kinetostat_cli.values import numbers
 
     mass, at, point = text.partition("@")
-    x, y, z = numbers(point, "--payload KG@", 3) if at else (0.0, 0.0, 0.0)
-    tip = model.robot.frame(frame or model.robot.default_tip())
-    return kinetostat.Payload(numbers(mass, "--payload", 1)[0], tip, (x, y, z))
+    try:
+        kilograms = float(mass)
+        x, y, z = numbers(point, "--payload", 3) if at else (0.0, 0.0, 0.0)
+    except (ValueError, kinetostat.UsageError):
+        message = f"--payload takes KG, or KG@X,Y,Z in the frame that -f names, not {quote(text)}"
+        raise kinetostat.UsageError(message, remedy="for instance 3@0,0,0.08") from None
+    return kinetostat.Payload(kilograms, frame, (x, y, z))
 
 
 def _wrenches(model: Model, texts: list[str], axes: list[str], order: Order) -> list[Load]:
@@ -256,17 +295,6 @@ def _wrenches(model: Model, texts: list[str], axes: list[str], order: Order) -> 
         written = axes[min(i, len(axes) - 1)] if axes else "world"
         found.append(kinetostat.load_at(model, link, values, axes=written, point=point))
     return found
-
-
-def _direction(text: str) -> Any:
-    """Return the direction of --max: payload, or three numbers, x and -z and the like being words for them."""
-    if text == "payload":
-        return text
-    letter = text.lstrip("+-")
-    if letter in ("x", "y", "z") and len(text) <= 2:
-        size = -1.0 if text[0] == "-" else 1.0
-        return [size * (letter == axis) for axis in "xyz"]
-    return triple(text, "--max")
 
 
 def register(app: typer.Typer) -> None:

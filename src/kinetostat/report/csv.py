@@ -26,9 +26,7 @@ def lines(rows: Iterable[Sequence[Cell]]) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     for row in rows:
-        writer.writerow(
-            ["" if cell is None else repr(cell) if isinstance(cell, float) else _safe(cell) for cell in row]
-        )
+        writer.writerow(["" if cell is None else _safe(cell) if isinstance(cell, str) else repr(cell) for cell in row])
     return out.getvalue()
 
 

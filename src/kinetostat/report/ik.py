@@ -170,7 +170,7 @@ def ik_columns(result: InverseKinematics, robot: Robot) -> tuple[list[Column], C
     ]
     columns.append(Column("position_residual", "m", result.position_residual.tolist()))
     columns.append(Column("rotation_residual", "rad", result.rotation_residual.tolist()))
-    columns.append(Column("iterations", "", [str(int(i)) for i in result.iterations]))
+    columns.append(Column("iterations", "", result.iterations.tolist()))
     reasons = [
         None if result.converged[i] else f"not reached: misses by {_missed(result, i)}" for i in range(len(result.q))
     ]

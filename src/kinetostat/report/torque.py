@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kinetostat.analysis.crosscheck import combined
 from kinetostat.analysis.loads import SEVERAL_COORDINATES
 from kinetostat.conventions import WRENCH_ROWS, WRENCH_UNITS, Array, Load, Order, Velocity
 from kinetostat.errors import cut
@@ -53,6 +54,7 @@ class Section:
     value: dict[str, Any]
     tables: tuple[Table, ...] = ()
     notes: tuple[str, ...] = ()
+    flat: Table | None = None  # the table for CSV, where it is not the first
 
 
 def torque_view(
@@ -78,10 +80,10 @@ def torque_view(
             *_binding_note(result),
             *_free_notes(at.robot),
             *(note for section in sections for note in section.notes),
-            *_load_notes(result, order),
+            *_load_notes(result, order, at.robot),
             configuration_note(at, degrees),
         ),
-        flat=next((section.tables[0] for section in reversed(sections) if section.tables), None) or _flat(result),
+        flat=(sections[-1].flat or sections[-1].tables[0]) if sections else _flat(result),
     )
 
 
@@ -125,7 +127,7 @@ def _free_notes(robot: Robot) -> list[str]:
     return [f"rows of {', '.join(free)}: the wrench that has to hold what floats there"] if free else []
 
 
-def _load_notes(result: Torques, order: Order) -> list[str]:
+def _load_notes(result: Torques, order: Order, robot: Robot) -> list[str]:
     """Return the loads in words, with the sign convention."""
     notes = []
     for i, load in enumerate(result.loads):
@@ -135,10 +137,16 @@ def _load_notes(result: Torques, order: Order) -> list[str]:
         label = "wrench" if len(result.loads) == 1 else f"wrench {i + 1}"
         notes.append(f"{label}: {named or 'zero'}, {_at(load.at)}; {_ON[result.on.value]}")
     if np.any(result.gravity_vector):
-        notes.append(f"gravity ({_triple(result.gravity_vector)}) m/s2 in the root link's axes")
+        notes.append(_gravity_note(result.gravity_vector, "gravity", robot))
     if result.payload is not None:
-        notes.append(_payload_note(result.payload))
+        note = _payload_note(result.payload)
+        alone = not np.any(result.gravity_vector) and np.any(result.payload_gravity)
+        notes.append(f"{note}; {_gravity_note(result.payload_gravity, 'its weight by', robot)}" if alone else note)
     return notes
+
+
+def _gravity_note(vector: Array, what: str, robot: Robot) -> str:
+    return f"{what} ({_triple(vector)}) m/s2 in the axes of {cut(robot.root)}"
 
 
 def _payload_note(payload: Payload) -> str:
@@ -167,7 +175,7 @@ def _flat(result: Torques) -> Table:
         parts = [float(values[i]) for values in (result.torques, result.gravity, result.from_payload, result.total)]
         ends = [number(float(side[i])) for side in (result.limits.lower, result.limits.upper)]
         rows.append((name, result.units[i], *parts, *ends, number(float(used[i]))))
-    header = ("joint", "unit", "from_wrenches", "gravity", "payload", "total", "lower", "upper", "utilisation")
+    header = ("joint", "unit", "torques", "gravity", "from_payload", "total", "lower", "upper", "utilisation")
     return Table(header, tuple(rows))
 
 
@@ -181,7 +189,7 @@ def torque_result(result: Torques, sections: Sequence[Section], order: Order) ->
         "order": order.value,
         "wrenches": [_load_json(load, order) for load in result.loads],
         "gravity_vector": nested(result.gravity_vector),
-        "payload": None if result.payload is None else _payload_json(result.payload),
+        "payload": None if result.payload is None else _payload_json(result.payload, result.payload_gravity),
         "torques": _named(names, result.torques),
         "gravity": _named(names, result.gravity),
         "from_payload": _named(names, result.from_payload),
@@ -203,8 +211,11 @@ def _labelled(label: str, values: Array) -> tuple[Cell, ...]:
     return (label, *map(float, values))
 
 
-def torque_columns(result: Torques) -> tuple[list[Column], Certificate]:
-    """Return the columns of a list of torques (m, n): total of each joint, largest use, the joint that has it."""
+def torque_columns(result: Torques, most: Strongest | None) -> tuple[list[Column], Certificate]:
+    """Return the columns of a list of torques (m, n): total of each joint, largest use, the joint that has it.
+
+    With the largest force or payload: its value and the joint that stops it.
+    """
     columns = [
         Column(name, unit, result.total[:, i].tolist())
         for i, (name, unit) in enumerate(zip(result.columns, result.units, strict=True))
@@ -213,7 +224,11 @@ def torque_columns(result: Torques) -> tuple[list[Column], Certificate]:
     use = np.take_along_axis(result.utilisation, np.maximum(binding, 0)[:, None], -1)[:, 0]
     columns.append(Column("utilisation", "", use.tolist()))
     columns.append(Column("binding_joint", "", [result.columns[i] if i >= 0 else None for i in binding]))
-    return columns, result.certificate
+    if most is None:
+        return columns, result.certificate
+    columns.append(Column(f"max_{most.quantity}", most.unit, most.value.tolist()))
+    columns.append(Column("stopped_by", "", [most.columns[i] if i >= 0 else None for i in most.binding]))
+    return columns, combined([result.certificate, most.certificate])
 
 
 def _named(names: Sequence[str], values: Array) -> dict[str, float | None]:
@@ -229,8 +244,9 @@ def _load_json(load: Load, order: Order) -> dict[str, Any]:
     }
 
 
-def _payload_json(payload: Payload) -> dict[str, Any]:
-    return {"mass": payload.mass, "frame": payload.frame, "point": list(payload.point)}
+def _payload_json(payload: Payload, gravity: Array) -> dict[str, Any]:
+    where = {"mass": payload.mass, "frame": payload.frame, "point": list(payload.point)}
+    return {**where, "gravity_vector": nested(gravity)}
 
 
 # --- reactions ---------------------------------------------------------------------------------------------------
@@ -285,7 +301,9 @@ def strongest_section(result: Strongest) -> Section:
         payload["value_reason"] = "infinite: no joint torque is needed"
     if math.isnan(value):
         payload["value_reason"] = "none is possible: an effort limit is exceeded without it"
-    return Section("max", payload, notes=(_strongest_note(result),))
+    names = ("quantity", "frame", "value", "unit", "least", "binding_joint")
+    flat = Table(names, (tuple(payload[name] for name in names),))
+    return Section("max", payload, notes=(_strongest_note(result),), flat=flat)
 
 
 def _strongest_note(result: Strongest) -> str:
@@ -358,7 +376,7 @@ def worst_view(result: WorstTorques, at: Configuration, *, degrees: bool) -> Vie
     notes = [
         f"of {result.samples} configurations inside limits, the worst {result.starts} of each joint climbed to a local "
         "maximum: lower bounds, a worse one is not excluded",
-        f"gravity ({_triple(result.gravity_vector)}) m/s2 in the root link's axes",
+        _gravity_note(result.gravity_vector, "gravity", at.robot),
     ]
     if result.payload is not None:
         notes.append(_payload_note(result.payload))
@@ -372,16 +390,17 @@ def worst_view(result: WorstTorques, at: Configuration, *, degrees: bool) -> Vie
             result.units[i],
             float(result.torques[i]),
             number(float(result.utilisation[i])),
-            " ".join(repr(float(x)) for x in result.witnesses[i]),
+            *(float(x) for x in result.witnesses[i]),
         )
         for i, name in enumerate(result.joints)
     )
+    positions = [f"at_{name}" for joint in at.robot.independent for name in joint.position_names]
     title = f"the worst torque of each joint inside limits, under gravity{' and payload' if result.payload else ''}"
     return View(
         title,
         (Table(header, tuple(rows), words=True),),
         tuple(notes),
-        flat=Table(("joint", "unit", "worst", "utilisation", "witness"), flat),
+        flat=Table(("joint", "unit", "worst", "utilisation", *positions), flat),
     )
 
 
@@ -406,5 +425,5 @@ def worst_result(result: WorstTorques, at: Configuration) -> dict[str, Any]:
         "samples": result.samples,
         "starts": result.starts,
         "gravity_vector": nested(result.gravity_vector),
-        "payload": None if result.payload is None else _payload_json(result.payload),
+        "payload": None if result.payload is None else _payload_json(result.payload, result.gravity_vector),
     }

@@ -43,9 +43,10 @@ def velocity_view(result: FrameMotions, at: Configuration, frame: str | None, *,
             "spatial: rates of the body twist's components; classical: the second derivative of the origin's position; "
             "their linear parts differ by w x v, because the link's own axes turn with it"
         )
-    notes.append(_rates_note(result, result.qdot, "rates", "m/s, rad/s"))
+    angle = "deg" if degrees else "rad"
+    notes.append(_rates_note(result, result.qdot, "rates", f"m/s, {angle}/s", degrees))
     if result.qddot is not None:
-        notes.append(_rates_note(result, result.qddot, "accelerations", "m/s2, rad/s2"))
+        notes.append(_rates_note(result, result.qddot, "accelerations", f"m/s2, {angle}/s2", degrees))
     return View(
         f"velocity of {what},\nrelative to {cut(result.relative_to)}",
         tables,
@@ -190,8 +191,10 @@ def _triple(values: Array) -> str:
     return f"({', '.join(f'{float(c):.6g}' if abs(c) > noise else '0' for c in values)})"
 
 
-def _rates_note(result: FrameMotions, values: Array, what: str, units: str) -> str:
+def _rates_note(result: FrameMotions, values: Array, what: str, units: str, degrees: bool) -> str:
     """Return joint rates, or accelerations, in words: those that are not zero."""
+    turns = np.array([unit == "rad/s" for unit in result.column_units], dtype=bool)
+    values = np.where(turns & degrees, np.degrees(values), values)
     parts = [f"{cut(name)} {float(x):.6g}" for name, x in zip(result.columns, values, strict=True) if x != 0]
     return f"joint {what} {', '.join(parts)} ({units}; others zero)" if parts else f"joint {what} all zero"
 

@@ -95,7 +95,8 @@ def test_numbers_are_those_of_the_library(ask):
         assert list(result[key].values()) == getattr(expected, key).tolist()
     assert result["binding_joint"] == expected.binding_joint
     assert result["effort_limits"]["panda_joint2"] == {"lower": -5, "upper": 9}
-    assert result["payload"] == {"mass": 2, "frame": "panda_hand", "point": [0, 0, 0.1]}
+    held = {"mass": 2, "frame": "panda_hand", "point": [0, 0, 0.1], "gravity_vector": [0, 1, -9]}
+    assert result["payload"] == held
     assert result["gravity_vector"] == [0, 1, -9]
     assert result["on"] == "robot"
 
@@ -287,7 +288,7 @@ def test_csv_is_a_row_for_each_joint(cli, ask):
     for row in rows:
         name = row["joint"]
         assert float(row["total"]) == result["total"][name]
-        assert float(row["payload"]) == result["from_payload"][name]
+        assert float(row["from_payload"]) == result["from_payload"][name]
         assert float(row["upper"]) == result["effort_limits"][name]["upper"]
         assert float(row["utilisation"]) == result["utilisation"][name]
         assert row["unit"] == result["units"][result["columns"].index(name)]
@@ -356,11 +357,11 @@ def test_a_plot_that_cannot_be_is_refused(refused, tmp_path, name, words, part):
         (("--gravity-vector", "0,0"), "3 finite numbers"),
         (("--gravity-vector", "0,0,inf"), "finite"),
         (("--payload", "-1"), "payload"),
-        (("--payload", "nan"), "finite"),
-        (("--payload", "two"), "finite"),
-        (("--payload", "1@0,0"), "3 finite numbers"),
+        (("--payload", "nan"), "not nan"),
+        (("--payload", "two"), "KG@X,Y,Z"),
+        (("--payload", "1@0,0"), "KG@X,Y,Z"),
         (("--payload", "1", "-f", "hand"), "no frame 'hand'"),
-        (("--max", "up"), "--max"),
+        (("--max", "up"), "x, -z, three numbers"),
         (("--max", "0,0,0"), "direction"),
         (("--max", "z", "-f", "hand"), "no frame 'hand'"),
         (("--max", "z", "--point", "0,0"), "--point"),
@@ -416,3 +417,25 @@ def test_the_help_has_an_example_that_works(cli, command):
     assert "kinetostat torque example:panda" in flattened(cli("torque", "--help").out)
     example = ("torque", "example:panda", "-f", "panda_hand", "-q", "default", "--payload", "2")
     assert cli(*example, *command).code == 0
+
+
+def test_a_payload_weighs_without_gravity_of_the_links(ask):
+    alone = ask(*PANDA, "--payload", "3")["result"]
+    both = ask(*PANDA, "--payload", "3", "--gravity")["result"]
+    assert max(map(abs, alone["from_payload"].values())) > 1
+    assert alone["from_payload"] == both["from_payload"]
+    assert alone["total"] == alone["from_payload"]
+    assert set(alone["gravity"].values()) == {0}
+    assert alone["payload"]["gravity_vector"] == [0, 0, -9.81]
+    assert set(ask(*PANDA, "--payload", "3", "--gravity-vector", "0,0,0")["result"]["total"].values()) == {0}
+
+
+def test_the_largest_payload_over_a_list_is_that_of_each_row(cli, ask, tmp_path):
+    rows = ["0,-0.5,0,-2,0,1.6,0.8,0.01", "0.3,0.4,0.1,-1.5,0.2,1.8,0.1,0"]
+    (tmp_path / "q.csv").write_text("\n".join(rows))
+    question = ("example:panda", "-f", "panda_hand", "--max", "payload")
+    listed = list(csv.DictReader(io.StringIO(cli("torque", *question, "--qs", str(tmp_path / "q.csv")).out)))
+    for row, q in zip(listed, rows, strict=True):
+        most = ask(*question, "-q", q)["result"]["max"]
+        assert float(row["max_payload [kg]"]) == pytest.approx(most["value"], rel=1e-12)
+        assert row["stopped_by"] == most["binding_joint"]

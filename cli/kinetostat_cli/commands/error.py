@@ -134,7 +134,7 @@ def error(
     write_answer(
         Answer(
             "error",
-            lambda: error_view(result, resolution, way, q, degrees=at.deg),
+            lambda: error_view(result, resolution, way, q, given=joint_error is not None, degrees=at.deg),
             lambda: error_result(result, resolution, way),
             model,
             q,

@@ -35,17 +35,23 @@ def error_view(
     approach: SingularApproach | None,
     at: Configuration,
     *,
+    given: bool,
     degrees: bool,
 ) -> View:
-    """Return the view: the error of the tool, the joint resolution, the way into a singularity, each if it is there."""
+    """Return the view: the error of the tool, the joint resolution, the way into a singularity, each if it is there.
+
+    The error of the tool is left out where no joint errors were `given`, but are an example to scale.
+    """
     tables, notes, flat = list[Table](), list[str](), None
-    if error is not None:
+    if error is not None and given:
         tables += [_rows(error, degrees), _sizes(error, degrees), _ellipsoids(error, degrees), _joints(error, degrees)]
         notes += _error_notes(error)
         flat = _flat_error(error)
     if error is not None and resolution is not None:
         tables += [_together(error, resolution, degrees), _alone(error, resolution, degrees)]
-        notes += _resolution_notes(resolution)
+        turning = [unit == "rad" for unit in error.column_units]
+        words = joint_errors_in_words(error.joint_error, turning, degrees=degrees)
+        notes += _resolution_notes(resolution, words)
         flat = _flat_resolution(error, resolution)
     if approach is not None:
         tables.append(_steps(approach, degrees))
@@ -53,7 +59,9 @@ def error_view(
         flat = _flat_approach(approach)
     velocity = error.velocity if error is not None else approach.velocity if approach is not None else None
     assert velocity is not None
-    title = "tool error" if error is not None else "the way into a singularity,"
+    title = "the way into a singularity,"
+    if error is not None:
+        title = "tool error" if given else "joint resolution for an accuracy"
     return View(
         f"{title} {velocity_label(velocity)}",
         tuple(tables),
@@ -203,14 +211,14 @@ def _wanted(resolution: JointResolution, degrees: bool) -> str:
     return f"an accuracy of {' and '.join(found)}"
 
 
-def _resolution_notes(resolution: JointResolution) -> list[str]:
+def _resolution_notes(resolution: JointResolution, errors: str) -> list[str]:
     notes = []
     if math.isfinite(resolution.worst.factor):
         limit = str(resolution.decides)
         both = resolution.accuracy is not None and resolution.accuracy_angle is not None
         factors = f"{float(resolution.worst.factor):.4g} (worst case) and {float(resolution.sigma.factor):.4g}"
         notes.append(
-            f"allowed are the joint errors above, times {factors} (one sigma: root mean square of the tool's error)"
+            f"allowed are {errors}, times {factors} (one sigma: root mean square of the tool's error)"
             + (f"; the {limit} decides" if both else "")
         )
     notes.append(

@@ -29,8 +29,8 @@ _SHOWN = 12  # lines of a trace: the first, and the last
 def ik_view(result: InverseKinematics, at: Configuration, *, trace: bool, degrees: bool) -> View:
     """Return the view: the joints that were found, what is left of the error, and perhaps the steps."""
     found = replace(at, q=result.q)
-    verdict = "reached" if bool(result.converged) else "NOT reached"
-    title = f"{verdict}: {_aim(result)}"
+    verdict = "yes" if bool(result.converged) else "no"
+    title = f"{'reached' if bool(result.converged) else 'NOT reached'}: {_aim(result)}"
     tables = [_joints_table(found, result.coordinates, degrees)]
     if trace and result.trace:
         tables.append(_trace_table(at.robot, result, degrees))
@@ -39,14 +39,18 @@ def ik_view(result: InverseKinematics, at: Configuration, *, trace: bool, degree
         f"method {result.method.value}, {iterations}; what is left: {_left(result)}",
         "joints are inside their limits" if bool(result.inside_limits) else "a joint is outside its limits",
     ]
-    if not bool(result.converged):
-        notes.append(_unreached(result))
+    if not bool(result.converged) and len(result.task.rows) > len(result.task.linear) > 0:
+        notes.append("the nearest: metres weighed with angles by the size of the arm")
     if result.trace and result.trace[0].time is not None and result.trace[0].change is not None:
         names = zip(result.coordinates, result.trace[0].change, strict=True)
         rates = ", ".join(f"{cut(name)} {float(rate):.5g}" for name, rate in names)
         notes.append(f"rates to command at the start, J^+ e per second: {rates} (rad/s, m/s)")
         notes.append("the error fades as exp(-t) along the path that such rates make")
-    flat = Table(tuple(result.coordinates), (tuple(float(x) for x in _picked(found, result.coordinates)),))
+    flat = Table(
+        (*result.coordinates, "converged", "position_residual", "rotation_residual"),
+        ((*map(float, _picked(found, result.coordinates)), verdict, *_residuals(result)),),
+        (*_units(at.robot, result.coordinates, degrees=False), "", "m", "rad"),
+    )
     return View(title, tuple(tables), tuple(notes), flat=flat)
 
 
@@ -60,6 +64,12 @@ def _aim(result: InverseKinematics | Solutions) -> str:
     return f"{cut(result.frame)} at ({x:.6g}, {y:.6g}, {z:.6g}) m of {cut(result.relative_to)}, {counted}"
 
 
+def _residuals(result: InverseKinematics) -> tuple[float | None, float | None]:
+    """Return the residuals of position and rotation, None where no row of it counts."""
+    position = float(result.position_residual) if result.task.linear else None
+    return position, float(result.rotation_residual) if result.task.angular else None
+
+
 def _left(result: InverseKinematics) -> str:
     parts = []
     if result.task.linear:
@@ -67,14 +77,6 @@ def _left(result: InverseKinematics) -> str:
     if result.task.angular:
         parts.append(f"{float(result.rotation_residual):.3g} rad")
     return ", ".join(parts)
-
-
-def _unreached(result: InverseKinematics) -> str:
-    if result.method.value == "damped":
-        return (
-            f"the nearest that was found misses by {_left(result)}: the pose is out of reach, as far as restarts tell"
-        )
-    return "the iteration did not converge: method damped has safeguards, limits and restarts"
 
 
 def _picked(at: Configuration, names: Sequence[str], *, degrees: bool = False) -> Array:
@@ -101,7 +103,7 @@ def _joints_table(found: Configuration, names: Sequence[str], degrees: bool) -> 
         low, high = joint.limit.range if joint is not None and joint.type.nq == 1 else (-np.inf, np.inf)
         factor = 180 / np.pi if unit == "deg" else 1.0
         limits = "-" if not np.isfinite(high - low) else f"{low * factor:.5g} to {high * factor:.5g}"
-        rows.append((name, f"{float(value):.6f}", unit, limits))
+        rows.append((name, f"{round(float(value), 6) + 0.0:.6f}", unit, limits))
     return Table(("joint", "position", "unit", "limits"), tuple(rows), words=True)
 
 
@@ -142,8 +144,8 @@ def ik_result(result: InverseKinematics, at: Configuration) -> dict[str, Any]:
         "inside_limits": bool(result.inside_limits),
         "iterations": int(result.iterations),
         "residual": {
-            "position": number(float(result.position_residual)) if result.task.linear else None,
-            "rotation": number(float(result.rotation_residual)) if result.task.angular else None,
+            "position": _residuals(result)[0],
+            "rotation": _residuals(result)[1],
             "error": nested(result.error),
         },
         "trace": [
@@ -197,12 +199,13 @@ def solutions_view(result: Solutions, at: Configuration, *, degrees: bool) -> Vi
         values = _picked(replace(at, q=q), result.coordinates, degrees=degrees)
         rows.append((str(i + 1), "yes" if result.inside_limits[i] else "no", *map(float, values)))
     inside = int(np.sum(result.inside_limits))
-    count = f"{len(result.q)} distinct configurations" if len(result.q) != 1 else "1 configuration"
-    title = f"{count}, {inside} inside joint limits: {_aim(result)}"
+    count = f"{len(result.q)} configurations" if len(result.q) != 1 else "1 configuration"
+    title = f"{count}{' of infinitely many' if result.endless else ''}, {inside} inside joint limits: {_aim(result)}"
     header, head_units = ("", "inside", *result.coordinates), ("", "", *units)
     tables = (Table(header, tuple(rows), head_units),) if rows else ()
     verdict = "the list is complete" if result.complete else "the list is not proved to be complete"
-    notes = [f"by {result.how}", f"{verdict} (but for whole turns of joints): {result.why}"]
+    verdict = "infinitely many" if result.endless else f"{verdict} (but for whole turns of joints)"
+    notes = [f"by {result.how}", f"{verdict}: {result.why}"]
     if not rows:
         notes.append("no configuration was found: the pose is out of reach, as far as this tells")
     radians = [
@@ -234,5 +237,6 @@ def solutions_result(result: Solutions, at: Configuration) -> dict[str, Any]:
         ],
         "how": result.how,
         "complete": result.complete,
+        "infinitely_many": result.endless,
         "why": result.why,
     }

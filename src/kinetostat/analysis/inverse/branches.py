@@ -8,7 +8,7 @@ import numpy as np
 
 from kinetostat.analysis.inverse.aim import REACHED, Aim
 from kinetostat.analysis.inverse.analytic import ClosedForm, closed_form
-from kinetostat.analysis.inverse.damped import descend
+from kinetostat.analysis.inverse.damped import descend, solve
 from kinetostat.analysis.task import FULL
 from kinetostat.conventions import Array
 
@@ -29,6 +29,7 @@ class Branches:
         q: coordinates (k, n).
         how: by what they were found, in words.
         complete: whether the list is complete.
+        endless: whether there are infinitely many, so that the list holds examples.
         why: why it is, or is not, in words.
         starts: how many descents looked for them.
     """
@@ -36,36 +37,39 @@ class Branches:
     q: Array
     how: str
     complete: bool
+    endless: bool
     why: str
     starts: int
 
 
 def branches(aim: Aim, target: Array, generator: np.random.Generator) -> Branches:
-    """Return the distinct solutions for a target (4, 4), limits left out: they are told apart afterwards."""
-    form = closed_form(aim.joints) if aim.task.rows == FULL.rows else "only some rows count"
-    exact = _distinct(aim, _polished(aim, form.candidates(target), target)) if isinstance(form, ClosedForm) else None
+    """Return the distinct solutions for a target (4, 4), limits left out: they are told apart afterwards.
+
+    Of infinitely many, a few examples that are well apart, inside limits where there are some.
+    """
+    count, rows = len(aim.joints.names), len(aim.task.rows)
+    if count > rows:
+        found, starts = _examples(aim, target, generator)
+        why = f"{count} joints for {rows} rows; examples at least {_APART:g} rad apart"
+        return Branches(found, f"{starts} random starts", complete=False, endless=True, why=why, starts=starts)
+    form = closed_form(aim.joints) if rows == len(FULL.rows) else "only some rows count"
     found, hits, starts = _by_restarts(aim, target, generator)
-    if exact is not None and isinstance(form, ClosedForm):
-        missed = [q for q in found if not any(_same(aim, q, other) for other in exact)]
-        how = f"closed solution (EAIK, {form.family})"
-        whole = np.array([*exact, *missed]).reshape(-1, len(aim.joints.names))
-        if _endless(aim, whole):
-            return Branches(whole, how, complete=False, why=_ENDLESS, starts=starts)
-        why = f"closed solution, and {starts} random starts found no other"
-        if missed:
-            why = f"{starts} random starts found {len(missed)} that the closed solution does not have"
-        return Branches(whole, how, complete=not missed, why=why, starts=starts)
-    how, reason = f"{starts} random starts", str(form)
-    if _endless(aim, found):
-        examples = _examples(aim, found)
-        why = f"{_ENDLESS}: {len(examples)} of them, at least {_APART:g} rad apart"
-        return Branches(examples, how, complete=False, why=why, starts=starts)
-    once = int(np.sum(hits == 1))
-    why = f"random starts prove nothing ({reason}); {once} of {len(found)} were found only once"
-    return Branches(found, how, complete=False, why=why, starts=starts)
-
-
-_ENDLESS = "infinitely many: the arm moves inside with the tool at rest"
+    if _endless(aim, found, target):
+        why = f"joints move with the tool at rest; examples at least {_APART:g} rad apart"
+        examples = _apart(aim, found)
+        return Branches(examples, f"{starts} random starts", complete=False, endless=True, why=why, starts=starts)
+    if not isinstance(form, ClosedForm):
+        once = int(np.sum(hits == 1))
+        why = f"random starts prove nothing ({form}); {once} of {len(found)} were found only once"
+        return Branches(found, f"{starts} random starts", complete=False, endless=False, why=why, starts=starts)
+    exact = _distinct(aim, _polished(aim, form.candidates(target), target))
+    missed = [q for q in found if not any(_same(aim, q, other) for other in exact)]
+    why = f"closed solution, and {starts} random starts found no other"
+    if missed:
+        why = f"{starts} random starts found {len(missed)} that the closed solution does not have"
+    whole = np.array([*exact, *missed]).reshape(-1, count)
+    how = f"closed solution (EAIK, {form.family})"
+    return Branches(whole, how, complete=not missed, endless=False, why=why, starts=starts)
 
 
 def _by_restarts(aim: Aim, target: Array, generator: np.random.Generator) -> tuple[Array, Array, int]:
@@ -107,21 +111,29 @@ def _same(aim: Aim, a: Array, b: Array) -> bool:
     return bool(np.max(np.abs(aim.joints.wrapped(a - b) / aim.units)) < _SAME)
 
 
-def _endless(aim: Aim, found: Array) -> bool:
-    """Return whether the solutions are not isolated: more joints than rows, or a singular arm at each of them."""
-    if not len(found):
+def _endless(aim: Aim, found: Array, target: Array) -> bool:
+    """Return whether solutions that are too many to be isolated lie where the arm is singular."""
+    if len(found) <= _STARTS / 2:
         return False
-    if len(aim.joints.names) > len(aim.task.rows):
-        return True
-    _, slope = aim.linear(found, np.broadcast_to(np.eye(4), (len(found), 4, 4)))
-    values = np.linalg.svd(slope, compute_uv=False)
-    return bool(len(found) > _STARTS / 2 and np.median(values[..., -1]) < _RANK)
+    _, slope = aim.linear(found, np.broadcast_to(target, (len(found), 4, 4)))
+    return bool(np.median(np.linalg.svd(slope, compute_uv=False)[..., -1]) < _RANK)
 
 
-def _examples(aim: Aim, found: Array) -> Array:
+def _examples(aim: Aim, target: Array, generator: np.random.Generator) -> tuple[Array, int]:
+    """Return solutions of a redundant arm that are well apart, inside limits where any is; and how many starts."""
+    targets = np.broadcast_to(target, (_STARTS, 4, 4))
+    q, size, _ = solve(aim, aim.joints.draw(generator, (_STARTS,), limited=True), targets, generator, tries=1)
+    inside = q[size < REACHED]
+    if len(inside):
+        return _apart(aim, aim.joints.wrapped(inside)), _STARTS
+    ends, size, _ = descend(aim, aim.joints.draw(generator, (_STARTS,)), targets, limited=False)
+    return _apart(aim, aim.joints.wrapped(ends[size < REACHED])), 2 * _STARTS
+
+
+def _apart(aim: Aim, found: Array) -> Array:
     """Return a few of many that are well apart."""
-    kept = [found[0]]
-    for q in found[1:]:
+    kept = list[Array]()
+    for q in found:
         if len(kept) < _LISTED and all(np.max(np.abs(aim.joints.wrapped(q - o) / aim.units)) > _APART for o in kept):
             kept.append(q)
-    return np.array(kept)
+    return np.array(kept).reshape(-1, len(aim.joints.names))

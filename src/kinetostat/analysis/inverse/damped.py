@@ -15,14 +15,16 @@ import numpy as np
 from kinetostat.analysis.inverse.aim import REACHED, Aim
 from kinetostat.conventions import Array, Flags
 
-__all__ = ["descend", "solve"]
+__all__ = ["descend", "solve", "solve_freely"]
 
 _ITERATIONS = 60
 _LONGER = 300  # for those that are near: at a singular configuration the last digits come slowly
 _NEAR = 2e-2
 _STUCK = 1e-11  # a step this short is the end
 _LEAST, _MOST = 1e-6, 1e12  # of the factor of the damping
+_FLOOR = 1e-14  # damping at least, as a share of the matrix itself
 _PRECISE = 1e-14  # an error below it cannot be lessened
+_SEED = 0
 _AT_ONCE = 64  # descents at least in a round: restarts of the last few poses are made side by side
 
 
@@ -61,6 +63,13 @@ def solve(
         iterations[missing] += more.reshape(len(missing), each).sum(axis=1)
         tried += each
     return q, size, iterations
+
+
+def solve_freely(aim: Aim, target: Array) -> bool:
+    """Return whether some of many descents without limits reach a target (4, 4)."""
+    drawn = aim.joints.draw(np.random.default_rng(_SEED), (_AT_ONCE,))
+    _, size, _ = descend(aim, drawn, np.broadcast_to(target, (_AT_ONCE, 4, 4)), limited=False)
+    return bool(np.any(size < REACHED))
 
 
 def _nearest(aim: Aim, found: Array, sizes: Array, origin: Array) -> Array:
@@ -140,6 +149,8 @@ def _step(q: Array, error: Array, slope: Array, factor: Array, lower: Array, upp
 def _solved(slope: Array, error: Array, damping: Array, held: Flags) -> Array:
     """Return J^T (J J^T + damping)^-1 e over the columns that are not held, which is (J^T J + damping)^-1 J^T e."""
     free = np.where(held[:, None, :], 0.0, slope)
-    gram = free @ np.swapaxes(free, -1, -2) + damping[:, None, None] * np.eye(error.shape[-1])
+    gram = free @ np.swapaxes(free, -1, -2)
+    floor = _FLOOR * np.trace(gram, axis1=-2, axis2=-1)  # rows may be zero, or repeat each other
+    gram += (damping + floor)[:, None, None] * np.eye(error.shape[-1])
     solved: Array = (np.swapaxes(free, -1, -2) @ np.linalg.solve(gram, error[..., None]))[..., 0]
     return solved

@@ -13,7 +13,7 @@ from kinetostat.analysis.coordinates import Coordinates, coordinates
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.inverse.aim import REACHED, Aim
 from kinetostat.analysis.inverse.branches import branches
-from kinetostat.analysis.inverse.damped import solve
+from kinetostat.analysis.inverse.damped import solve, solve_freely
 from kinetostat.analysis.inverse.iterate import Step, by_rates, by_steps, newton
 from kinetostat.analysis.inverse.method import Method
 from kinetostat.analysis.inverse.pose import Pose, pose, pose_error
@@ -167,7 +167,7 @@ def ik(
         iterations.reshape(shape),
         trace,
         certificate,
-        _about_freedom(aim),
+        (*_about_freedom(aim), *_about_reach(aim, method, targets, found, converged, tries)),
     )
 
 
@@ -223,6 +223,26 @@ def _about_freedom(aim: Aim) -> tuple[str, ...]:
     return (f"{joints} to answer for {rows} rows: almost no pose is reachable (--axes chooses the rows that count)",)
 
 
+def _about_reach(
+    aim: Aim, method: Method, targets: Array, found: Array, converged: Flags, tries: int
+) -> tuple[str, ...]:
+    """Return what is to be said of one pose that was not reached; a list has its reasons row by row."""
+    if np.all(converged) or len(targets) != 1:
+        return ()
+    left = pose_error(aim.joints.chain.columns(found)[1], targets, local=aim.local)[0]
+    parts = [
+        f"{np.linalg.norm(left[list(rows)]):.3g} {unit}"
+        for rows, unit in ((aim.task.linear, "m"), (aim.task.angular, "rad"))
+        if rows
+    ]
+    missed = f"the pose is not reached: it is missed by {', '.join(parts)}"
+    if method is not Method.DAMPED:
+        return (f"{missed} (method damped has safeguards, limits and restarts)",)
+    if solve_freely(aim, targets[0]):
+        return (f"{missed}; outside joint limits it can be reached",)
+    return (f"{missed} by the nearest of {tries} tries; without joint limits it was not reached either",)
+
+
 @dataclass(frozen=True, repr=False)
 class Solutions:
     """The distinct configurations for one pose.
@@ -238,6 +258,7 @@ class Solutions:
         error: what is left of the pose error, (k, 6), m and rad.
         how: by what they were found.
         complete: whether the list is complete, but for whole turns of joints.
+        endless: whether there are infinitely many; the list then holds examples.
         why: why it is, or is not.
         certificate: what the two engines say of the tool's placement at all of them.
     """
@@ -252,6 +273,7 @@ class Solutions:
     error: Array
     how: str
     complete: bool
+    endless: bool
     why: str
     certificate: Certificate
 
@@ -315,6 +337,7 @@ def ik_all(
         pose_error(placement, goal.matrix, local=aim.local),
         found.how,
         found.complete,
+        found.endless,
         found.why,
         certificate,
     )

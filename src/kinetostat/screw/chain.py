@@ -9,12 +9,14 @@ chapters 4 and 5; R. Brockett, 1984). Columns are joints: arrays of screws are (
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from kinetostat.conventions import Array
 from kinetostat.screw import se3
-from kinetostat.screw.adjoint import adjoint, bracket, carry, cross
+from kinetostat.screw.adjoint import adjoint, bracket, cross
+from kinetostat.screw.so3 import hat
 
 __all__ = ["Chain", "body_jacobian", "forward", "jacobian_derivatives", "screw", "space_jacobian"]
 
@@ -108,14 +110,33 @@ class Chain:
         """Return every screw's column (v of the tool's origin ; w), (..., 6, k), and T, (..., 4, 4), at q (..., n)."""
         positions = np.asarray(q, dtype=np.float64) @ self.fold.T + self.offset
         shape, count = positions.shape[:-1], self.screws.shape[1]
-        placement: Array = np.broadcast_to(np.eye(4), (*shape, 4, 4))
-        space = np.empty((*shape, 6, count))
-        for i in range(count):
-            space[..., i] = carry(placement, self.screws[:, i : i + 1])[..., 0]
-            placement = placement @ se3.exp_along(self.screws[:, i], positions[..., i])
-        placement = placement @ self.home
-        space[..., :3, :] += cross(space[..., 3:, :], placement[..., :3, 3, None])
-        return space, placement
+        before = np.empty((*shape, count + 1, 4, 4))  # what stands before each screw, and the tool after the last
+        before[..., 0, :, :] = np.eye(4)
+        for i, motion in enumerate(np.moveaxis(self._motions(positions), -3, 0)):
+            before[..., i + 1, :, :] = before[..., i, :, :] @ motion
+        placement = before[..., count, :, :] @ self.home
+        turns, origins = before[..., :count, :3, :3], np.swapaxes(before[..., :count, :3, 3], -1, -2)
+        linear, angular = (
+            np.swapaxes((turns @ half.T[..., None])[..., 0], -1, -2) for half in (self.screws[:3], self.screws[3:])
+        )
+        linear = linear + cross(origins - placement[..., :3, 3, None], angular)
+        return np.concatenate([linear, angular], -2), placement
+
+    def _motions(self, positions: Array) -> Array:
+        """Return exp(S_i t_i) of every screw at once, as `se3.exp_along` does of one. (..., k) -> (..., k, 4, 4)."""
+        first, square, rest = self._powers
+        t = positions[..., None, None]
+        sine = np.sin(t)
+        motions: Array = np.eye(4) + sine * first + 2 * np.sin(t / 2) ** 2 * square + (t - sine) * rest
+        return motions
+
+    @cached_property
+    def _powers(self) -> tuple[Array, Array, Array]:
+        """[S], [S]^2 and [S] + [S]^3 of every screw, each (k, 4, 4)."""
+        first = np.zeros((self.screws.shape[1], 4, 4))
+        first[:, :3, :3], first[:, :3, 3] = hat(self.screws[3:].T), self.screws[:3].T
+        square = first @ first
+        return first, square, first + square @ first
 
     def jacobian(self, q: Array, *, local: bool = False) -> Array:
         """Return J with (v ; w) = J dq/dt, in A's axes or in the tool's (local). (..., n) -> (..., 6, n)."""

@@ -170,9 +170,15 @@ def _floats(rows: Sequence[Row]) -> Array | None:
     import numpy as np
 
     try:
-        return np.array([[float(cell) for cell in row] for row in rows])
+        return np.array([[_float(cell) for cell in row] for row in rows])
     except (TypeError, ValueError, OverflowError):
         return None
+
+
+def _float(cell: Any) -> float:
+    if isinstance(cell, bool):  # JSON's true is no number
+        raise TypeError
+    return float(cell)
 
 
 def _rows(file: Path) -> Iterator[Row]:
@@ -190,8 +196,10 @@ def _rows(file: Path) -> Iterator[Row]:
     if kind == ".json":
         yield from _json_rows(file)
         return
-    if not file.is_file():
+    if not file.exists():
         raise ConfigurationError("there is no such file", file=str(file), remedy="check the path")
+    if not file.is_file() and file.parent != Path("/dev/fd"):  # what <(command) names; others may block for ever
+        raise ConfigurationError("this is not a regular file", file=str(file), remedy="pipe it to '-'")
     try:
         with file.open(encoding="utf-8-sig", newline="") as text:
             yield from (_json_line(line) for line in text if line.strip()) if kind == ".jsonl" else _csv_rows(text)
@@ -201,7 +209,9 @@ def _rows(file: Path) -> Iterator[Row]:
 
 
 def _csv_rows(text: Any) -> Iterator[Row]:
-    for row in csv.reader(text):
+    for i, row in enumerate(csv.reader(text)):
+        if i == 0 and row:
+            row[0] = row[0].removeprefix("\ufeff")  # a byte order mark, which standard input keeps
         if row:  # a blank line separates; a row of empty cells is one without an answer
             yield row
 

@@ -224,7 +224,7 @@ def test_a_redundant_arm_has_infinitely_many(name, tip):
     target = ks.fk(model, tip, ks.random_configurations(model, 1)).matrix
     found = ks.ik_all(model, tip, target, np.zeros(model.robot.nq))
     assert not found.complete
-    assert "infinitely many" in found.why
+    assert found.endless
     assert 2 <= len(found.q) <= 8
     assert_same(model.engine.placement(found.q, tip, found.relative_to), np.tile(target, (len(found.q), 1, 1)), 1e-8)
 
@@ -233,7 +233,7 @@ def test_a_position_of_six_joints_has_infinitely_many():
     model = robot("example:ur5_robot")
     target = ks.fk(model, "tool0", ks.random_configurations(model, 1)).matrix
     found = ks.ik_all(model, "tool0", target[:3, 3], np.zeros(6))
-    assert "infinitely many" in found.why
+    assert found.endless
 
 
 def test_a_wrist_whose_axes_fall_together_has_infinitely_many():
@@ -248,7 +248,7 @@ def test_of_infinitely_many_a_few_are_listed():
     """Of a closed solution, too: the UR5 stretched out straight ahead."""
     model = robot("example:ur5_robot")
     found = ks.ik_all(model, "tool0", ks.fk(model, "tool0", np.zeros(6)).matrix, np.zeros(6))
-    assert "infinitely many" in found.why
+    assert found.endless
     assert len(found.q) <= 8
 
 

@@ -355,8 +355,8 @@ def test_out_of_the_plane_misses_by_the_height():
     found = ks.ik(textbook("planar_2r"), "tool", (1.0, 0.3, 0.25), np.array([0.3, 0.4]))
     assert not found.converged
     assert found.position_residual == pytest.approx(0.25, abs=1e-9)
-    assert len(found.warnings) == 1
     assert "2 joints have to answer for 3 rows" in found.warnings[0]
+    assert "missed by 0.25 m" in found.warnings[-1]
 
 
 @pytest.mark.parametrize("beyond", [1e-3, 0.3, 2.0])
@@ -650,7 +650,7 @@ def test_a_seed_that_is_none_is_refused(asked):
         asked(textbook("planar_2r"), "tool", (1.0, 0.5, 0), np.zeros(2), seed=-1)
 
 
-@pytest.mark.parametrize("far", [1e6, 1e9, 1e12])
+@pytest.mark.parametrize("far", [1e3, 1e6, 1e9, 1e12])
 def test_slides_without_limits_go_far_or_say_that_they_do_not(far):
     model = chain(("revolute", -1e308, 1e308), ("prismatic", -1e308, 1e308))
     found = ks.ik(model, "tip", (far, far / 10, 0), np.zeros(2), tries=3)

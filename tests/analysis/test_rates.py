@@ -12,6 +12,8 @@ from scipy.linalg import null_space
 
 import differences
 import kinetostat as ks
+from kinetostat.analysis.task import Task
+from kinetostat.analysis.weighted_inverse import WeightedInverse
 from kinetostat.engines.pinocchio import PinocchioEngine
 from kinetostat.engines.screw import ScrewEngine
 from trees import load_text, random_tree
@@ -525,7 +527,19 @@ def test_a_singular_configuration_is_not_approached_from_itself() -> None:
         for sign in (-1, 1):
             found = rates(TWO, q, sign * np.array([0.1, 0.2, 0, 0, 0, 0]), axes="xy")
             assert found.rank == 1
-            assert not found.approach < -1e-9
+            assert np.isnan(found.approach)
+
+
+def test_what_no_configuration_gives_is_not_lost() -> None:
+    """Three parallel axes never leave their plane: the smallest singular value that tells anything is the second."""
+    q = np.array([[0.3, 0.7, -0.4], [0.3, 0.0, 0.0]])
+    flat, all_three = (rates("textbook:planar_3r", q, [0.1, 0.2, 0, 0, 0, 0], axes=axes) for axes in ("xy", "xyz"))
+    for found in (flat, all_three):
+        assert found.usual_rank == 2
+        np.testing.assert_array_equal(found.rank, [2, 1])
+    np.testing.assert_allclose(all_three.smallest, flat.smallest, atol=1e-12)
+    np.testing.assert_allclose(all_three.approach, flat.approach, atol=1e-12)
+    np.testing.assert_array_equal(np.isnan(flat.approach), [False, True])
 
 
 # --- lengths ---------------------------------------------------------------------------------------------------------
@@ -550,6 +564,7 @@ def test_slides_alone_have_no_length_of_their_own(axes: str | None) -> None:
     assert found.exact
     matrix = ks.jacobian(model, "l3", np.array([0.1, 0.2, 0.3])).matrix
     np.testing.assert_allclose((matrix @ found.rates - found.twist)[list(found.task.rows)], 0, atol=1e-14)
+    assert (found.length, found.has_length) == (1, False)
     asked = ks.resolved_rates(model, "l3", np.array([0.1, 0.2, 0.3]), [0.4, -0.5, 0.6, 1, 0, 1], axes=axes)
     assert asked.exact == (axes == "xyz")
     assert_certified(asked)
@@ -696,6 +711,32 @@ def test_one_configuration_of_a_batch_does_not_hide_another(monkeypatch: pytest.
     monkeypatch.setattr(ScrewEngine, "jacobian", planted(1e-6))
     q = np.stack([near("wrist", step) for step in (1.0, 1e-8, 0.0)])
     assert rates(UR5, q, SOME_TWIST).certificate.agree is False
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.02])
+@pytest.mark.parametrize(("name", "place"), [(UR5, "wrist"), (UR5, "elbow"), (TWO, "elbow of two links")])
+def test_the_sensitivity_bounds_what_an_error_does_and_is_not_vacuous(name: str, place: str, damping: float) -> None:
+    """Entries of a Jacobian that are off by a little, at random: rates go less than told, and not much less."""
+    random, step = np.random.default_rng(5), 1e-9
+    for distance in (0.5, 1e-2, 1e-3):
+        q = near(place, distance)
+        matrix, task = jacobian(name, q), Task.named("xy" if name == TWO else "xyz rxyz")
+        inverse = WeightedInverse.at(matrix, [True] * len(q), task, None, load(name).robot.reach)
+        z = np.zeros(len(q))
+        found, _ = inverse.solved(matrix, SOME_TWIST, damping, z)
+        told = inverse.sensitivity(matrix, SOME_TWIST, damping, found, z, ascending=False)
+        errors = step * random.uniform(-1, 1, (300, *matrix.shape))
+        moved = [inverse.solved(matrix + error, SOME_TWIST, damping, z)[0] - found for error in errors]
+        share = np.linalg.norm(moved, axis=-1).max() / step / told
+        assert 1e-2 < share < np.sqrt(matrix.size)  # a matrix of ones has a norm of sqrt(m n)
+
+
+def test_a_gradient_that_vanishes_is_certified() -> None:
+    """What is left of a gradient of zero is rounding, and no two engines round alike."""
+    for q in ([0.3, np.pi / 2, 0.0], [0.0, np.pi / 2, np.pi / 2]):
+        for axes in ("rz", "xy"):
+            for twist in (np.zeros(6), SOME_TWIST):
+                assert_certified(rates("textbook:planar_3r", q, twist, axes=axes, secondary="manipulability"))
 
 
 @pytest.mark.parametrize("engine", [ScrewEngine, PinocchioEngine])

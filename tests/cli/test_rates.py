@@ -34,8 +34,11 @@ KEYS = {
     "residual",
     "exact",
     "rank",
+    "usual_rank",
     "singular_values",
+    "singular_values_unit",
     "characteristic_length",
+    "characteristic_length_reference",
     "amplification",
     "smallest_singular_value_rate",
     "damping",
@@ -163,7 +166,7 @@ def test_without_crosscheck_one_engine_answers(cli):
 # --- the twist -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("spelling", ["0.1,-0.2", "0.1 -0.2", " 0.1 , -0.2 ", "1e-1,-2e-1", "0.1,-0.2,9,9,9,9"])
+@pytest.mark.parametrize("spelling", ["0.1,-0.2", "0.1 -0.2", " 0.1 , -0.2 ", "1e-1,-2e-1", "0.1,-0.2,0,0,-0,0"])
 def test_spellings_of_a_short_twist(ask, spelling):
     given = ask(*THREE, "--axes", "xy", "--twist", spelling)
     assert given["twist"] == [0.1, -0.2]
@@ -306,18 +309,38 @@ def test_near_a_singular_configuration_the_growth_is_told(page, ask):
     assert "near a singular configuration" in text
     assert f"{result['amplification']:.4g} times" in text
     assert result["smallest_singular_value_rate"] < 0
-    falls, left = re.search(r"falls by ([\d.e-]+) a second: to zero in about ([\d.e-]+) s", text).groups()
+    left = re.search(r"these rates reach the singular configuration in about ([\d.e-]+) s", text)[1]
+    falls = re.search(r"the smallest singular value falls by ([\d.e-]+) per second", text)[1]
     assert float(falls) == pytest.approx(-result["smallest_singular_value_rate"], rel=1e-3)
     assert float(left) == pytest.approx(result["singular_values"][-1] / float(falls), rel=1e-2)
     away = page(*near[:-1], "-1,0")[1]
     assert "near a singular configuration" in away
     assert "falls by" not in away
+    assert "reach the singular configuration" not in away
 
 
-def test_at_a_singular_configuration_it_is_told(page):
+def test_rates_that_are_kept_up_do_come_to_the_singular_configuration(page, ask):
+    """After nine tenths of the time that the page tells, a tenth of the smallest singular value is left."""
+    asked = ("--axes", "xy", "--twist", "1,0")
+    start = ("textbook:planar_2r", "-q", "-0.01,0.02", *asked)
+    text, result = page(*start)[1], ask(*start)
+    time = float(re.search(r"in about ([\d.e-]+) s", text)[1])
+    one, two = np.array([-0.01, 0.02]) + 0.9 * time * values(result["rates"])
+    then = ask("textbook:planar_2r", "-q", f"{float(one)!r},{float(two)!r}", *asked)
+    assert then["singular_values"][-1] == pytest.approx(0.1 * result["singular_values"][-1], rel=0.02)
+
+
+def test_at_a_singular_configuration_it_is_told(page, ask):
     text = page("textbook:planar_2r", "-q", "0.3,0", "--axes", "xy", "--twist", "1,0")[1]
     assert "singular here" in text
     assert "least squares: the joints give 1 of the 2 directions" in text
+    damped = page("textbook:planar_2r", "-q", "0.3,0", "--axes", "xy", "--twist", "1,0", "--damping", "0.1")[1]
+    assert "singular here" in damped
+    assert "without bound" not in damped
+    result = ask("textbook:planar_2r", "-q", "0.3,0", "--axes", "xy", "--twist", "1,0")
+    assert (result["rank"], result["usual_rank"]) == (1, 2)
+    assert result["smallest_singular_value_rate"] is None
+    assert "singular" in result["smallest_singular_value_rate_reason"]
 
 
 def test_far_from_one_nothing_is_told(page):
@@ -330,18 +353,50 @@ def test_an_arm_that_never_had_a_direction_is_not_singular_for_that(page):
     """Three parallel axes never move anything out of their plane: no configuration of this arm is singular for that."""
     text = page(*THREE, "--axes", "xyz", "--twist", "0.1,0,0")[1]
     assert "singular here" not in text
+    near = page("textbook:planar_3r", "-q", "-0.01,0.02,0.001", "--axes", "xyz", "--twist", "1,0,0")[1]
+    assert "near a singular configuration" in near
+    assert "falls by" in near
+    lost = page("textbook:planar_3r", "-q", "0.3,0,0", "--axes", "xyz", "--twist", "1,0,0")[1]
+    assert "singular here: the joints give 1 of the 2 directions" in lost
 
 
 def test_damped_rates_do_not_grow_without_bound(page):
     """With damping rates stay below |V| / (2 l): that they grow as 1 / s would be wrong."""
     text = page("textbook:planar_2r", "-q", "0.3,1e-5", "--axes", "xy", "--twist", "1,0", "--damping", "0.01")[1]
     assert "grow as 1 / the smallest" not in text
+    assert "|V| / (2 l)" in text
+    assert "falls by" not in text
+
+
+@pytest.mark.parametrize("twist", ["0.1,0.2", "0,0"])
+def test_rates_with_a_part_in_the_null_space_have_not_the_least_norm(page, twist):
+    inside = page(*THREE, "--axes", "xy", "--twist", twist, "--secondary", "1,0,0")[1]
+    assert "one of a 1-parameter family of rates: those with the least norm, plus the null space's" in inside
+    assert "with the least norm of a" not in inside
+    nothing = page(*THREE, "--axes", "xy", "--twist", "0.1,0.2", "--secondary", "0,0,0")[1]
+    assert "exact, with the least norm of a 1-parameter family" in nothing
+
+
+def test_a_secondary_task_alone_tells_of_no_best_direction(page):
+    text = page("textbook:planar_3r", "-q", "0,0.01,0", "--axes", "xy", "--twist", "0,0", "--secondary", "1,0,0")[1]
+    assert "near a singular configuration" in text
+    assert "best direction" not in text
 
 
 def test_singular_values_say_their_unit(page):
     """Where lengths have no unit of their own: rows in metres, columns in radians."""
     text = page(*TWO, "--axes", "xy", "--twist", "1,0")[1]
-    assert re.search(r"singular values [\d. ]+\(?(in )?m\b", text), text
+    assert re.search(r"singular values [\d. ]+ m/rad\b", text), text
+    shares = page(*TWO, "--axes", "xy", "--twist", "1,0", "--weights", "limits")[1]
+    assert re.search(r"singular values [\d. ]+ m/s \(columns weighted\)", shares), shares
+
+
+def test_where_there_is_no_length_it_is_said(ask):
+    own = ask(*SCARA)
+    assert own["characteristic_length_reference"].startswith("auto")
+    none = ask("example:panda", "-f", "panda_leftfinger", "--relative-to", "panda_hand", "--twist", "0,1,0,0,0,0")
+    assert none["characteristic_length"] == 1
+    assert "no joint turns" in none["characteristic_length_reference"]
 
 
 # --- lists ---------------------------------------------------------------------------------------------------------
@@ -427,6 +482,8 @@ EVIL = "evil\x1b[31m\nline\u202e"
         (("--twist", EVIL), "--twist"),
         (("--axes", "xy", "--twist", "1"), "2 finite numbers"),
         (("--axes", "xy", "--twist", "1,2,3"), "2 finite numbers"),
+        (("--axes", "xy", "--twist", "1,2,0,0,0,3"), "leaves out"),  # asked for, and silently dropped
+        (("--axes", "xy", "--twist", "1,0,0,0,0,0", "--order", "angular-first"), "leaves out"),
         (("--axes", "q", "--twist", "1"), "axis"),
         (("--axes", "", "--twist", "1"), "axes"),
         (("--axes", EVIL, "--twist", "1"), "axis"),
@@ -501,3 +558,4 @@ def test_what_rounding_leaves_of_a_jacobian_is_not_divided_by(ask):
     )
     assert result["exact"] is False
     assert abs(result["rates"]["panda_finger_joint1"]) < 1
+    assert result["rank"] == result["usual_rank"] == 0

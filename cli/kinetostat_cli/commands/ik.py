@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = ["register"]
 
+_TRIES = 100
+
 
 @grouped
 def ik(
@@ -60,8 +62,9 @@ def ik(
     trace: Annotated[bool, typer.Option("--trace", help="Show the steps of newton and pseudo-inverse.")] = False,
     every: Annotated[bool, typer.Option("--all", help="List all distinct solutions.")] = False,
     tries: Annotated[
-        int, typer.Option(min=1, metavar="N", help="Starts of method damped at most; the first is -q.")
-    ] = 100,
+        int | None,
+        typer.Option(min=1, metavar="N", help="Starts of method damped at most; the first is -q. Default: 100."),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, metavar="N", help="Of the random starts.")] = 0,
     qs: ListOption = None,
     poses: Annotated[
@@ -84,7 +87,11 @@ def ik(
     from kinetostat.report import ik as report
 
     refuse(poses is not None, {"--pose": pose, "--qs": qs}, "does not go with --poses", "choose one")
-    refuse(every, {"--qs": qs, "--poses": poses, "--trace": trace or None}, "does not go with --all", "choose one")
+    other = method if method is not Method.DAMPED else None
+    one = {"--method": other, "--qs": qs, "--poses": poses, "--trace": trace or None, "--step": step, "--tries": tries}
+    refuse(every, one, "does not go with --all", "leave it out")
+    iterated = {"--tries": tries} if method is not Method.DAMPED else {"--step": step}
+    refuse(method is not Method.PSEUDO_INVERSE, iterated, f"does not go with method {method}", "leave it out")
     refuse(method is Method.DAMPED, {"--trace": trace or None}, "needs another --method", "newton or pseudo-inverse")
     if pose is None and poses is None:
         raise kinetostat.UsageError("no pose is asked for", remedy="for instance --pose 0.4,0.2,0.5, or --poses FILE")
@@ -97,7 +104,7 @@ def ik(
         "point": triple(point, "--point"),
         "seed": seed,
     }
-    way: Any = {"method": method, "step": step, "tries": tries}
+    way: Any = {"method": method, "step": step, "tries": tries or _TRIES}
 
     def answer(goal: Any, q: Array) -> Answers:
         return Answers(*report.ik_columns(kinetostat.ik(model, tip, goal, q, **aim, **way), model.robot))

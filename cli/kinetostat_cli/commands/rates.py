@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -23,6 +23,9 @@ from kinetostat_cli.options import (
     grouped,
 )
 
+if TYPE_CHECKING:
+    from kinetostat.urdf.description import Robot
+
 __all__ = ["register"]
 
 
@@ -34,7 +37,8 @@ def rates(
     twist: Annotated[
         str | None,
         typer.Option(
-            metavar="VX,VY,VZ,WX,WY,WZ", help="The velocity, m/s and rad/s; three numbers with --axes xyz; see --order."
+            metavar="VX,VY,VZ,WX,WY,WZ",
+            help="The velocity, m/s and rad/s (--deg does not count); three numbers with --axes xyz; see --order.",
         ),
     ] = None,
     frame: FrameOption = None,
@@ -51,13 +55,20 @@ def rates(
         ),
     ] = None,
     damping: Annotated[
-        float, typer.Option(min=0.0, metavar="L", help="Damp singular values: s / (s^2 + L^2) stands for 1 / s.")
+        float,
+        typer.Option(
+            min=0.0,
+            metavar="L",
+            help="Damp singular values: s / (s^2 + L^2) stands for 1 / s. Compare L with those that the page shows; it "
+            "is in their unit.",
+        ),
     ] = 0.0,
     secondary: Annotated[
         str | None,
         typer.Option(
             metavar="mid-limits|manipulability|A,B,C",
-            help="What to do in the null space: rates that move the frame by nothing.",
+            help="What to do in the null space, where rates move the frame by nothing; rates of the joints are in "
+            "rad/s (deg/s with --deg) and m/s.",
         ),
     ] = None,
     order: OrderOption = Order.LINEAR_FIRST,
@@ -86,7 +97,7 @@ def rates(
         "axes": axes,
         "weights": _words_or_numbers(weights, ("limits",)),
         "damping": damping,
-        "secondary": _words_or_numbers(secondary, ("mid-limits", "manipulability")),
+        "secondary": _secondary(model.robot, secondary, relative_to, tip, degrees=at.deg),
     }
     if qs is not None:
         answer_list(
@@ -119,6 +130,7 @@ def _twist(text: str, axes: str | None, order: Order) -> Array:
     import numpy as np
 
     from kinetostat.analysis.task import FULL, Task
+    from kinetostat.errors import UsageError
     from kinetostat_cli.values import numbers
 
     rows = FULL.rows if axes is None else Task.named(axes).rows
@@ -128,7 +140,25 @@ def _twist(text: str, axes: str | None, order: Order) -> Array:
         twist[list(order.rows)] = numbers(text, "--twist", 6)
     else:
         twist[[row for row in order.rows if row in rows]] = numbers(text, "--twist with these --axes", len(rows))
+    if np.any(np.delete(twist, rows)):
+        message = "--twist has a number that is not 0 in a row that --axes leaves out"
+        raise UsageError(message, remedy=f"give {len(rows)} numbers, or 0 for it")
     return twist
+
+
+def _secondary(robot: Robot, text: str | None, relative_to: str | None, tip: str, *, degrees: bool) -> Any:
+    """Return a word that the library knows, or rates in rad/s and m/s."""
+    from math import radians
+
+    from kinetostat.analysis.task import turning_columns
+
+    wanted = _words_or_numbers(text, ("mid-limits", "manipulability"))
+    if not degrees or not isinstance(wanted, list):
+        return wanted
+    turning = turning_columns(robot.moving_joints(robot.frame(relative_to or robot.root), tip))
+    if len(wanted) != len(turning):
+        return wanted  # the library says how many there are
+    return [radians(rate) if turns else rate for rate, turns in zip(wanted, turning, strict=True)]
 
 
 def _words_or_numbers(text: str | None, words: tuple[str, ...]) -> Any:

@@ -214,12 +214,17 @@ def _middle(robot: Robot) -> Array:
 
 
 def position_range(robot: Robot, joint: Joint) -> tuple[float, float]:
-    """Return ends to draw a joint's position between.
+    """Return ends to draw a joint's position between: `stated_range`, a missing limit half a turn or 1 m away."""
+    return _within_followers(robot, joint, _bounded(joint))
 
-    That is the part of its range in which its followers are inside theirs (all of it if that is no range); a missing
-    limit is half a turn or 1 m away.
-    """
-    whole = lower, upper = _bounded(joint)
+
+def stated_range(robot: Robot, joint: Joint) -> tuple[float, float]:
+    """Return the part of a joint's range in which its followers are inside theirs; all of it if that is no range."""
+    return _within_followers(robot, joint, joint.limit.range)
+
+
+def _within_followers(robot: Robot, joint: Joint, whole: tuple[float, float]) -> tuple[float, float]:
+    lower, upper = whole
     for name, law in robot.followers.items():
         if law.joint == joint.name and law.multiplier != 0:
             ends = sorted((end - law.offset) / law.multiplier for end in robot.joint_by_name[name].limit.range)
@@ -304,8 +309,11 @@ def from_rows(
     if names is None:
         names = coordinates
     places = [coordinates.index(n) if n in coordinates else _no_place(robot, n, coordinates) for n in names]
-    if values.shape[-1] != len(places) or len(set(places)) < len(places):
-        raise ConfigurationError(f"{values.shape[-1]} numbers are given, {len(set(places))} are needed")
+    twice = next((name for name in names if list(names).count(name) > 1), None)
+    if twice is not None:
+        raise ConfigurationError(f"joint {quote(twice)} is given twice")
+    if values.shape[-1] != len(places):
+        raise ConfigurationError(f"{values.shape[-1]} numbers are given, {len(places)} are needed")
     q = np.tile(neutral(robot), (len(values), 1))
     q[:, places] = values
     if degrees:

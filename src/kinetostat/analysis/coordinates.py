@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from kinetostat.analysis.configuration import position_range
+from kinetostat.analysis.configuration import position_range, stated_range
 from kinetostat.analysis.task import turning_columns
 from kinetostat.conventions import Array, Flags
 from kinetostat.engines.model import Model
@@ -72,8 +72,9 @@ class Coordinates:
 
     @cached_property
     def stated_limits(self) -> tuple[Array, Array]:
-        """Lower and upper limits as the file states them, infinite where it states none. (n,), (n,)."""
-        single = [joint.limit.range if joint.type.nq == 1 else (-math.inf, math.inf) for joint in self.joints]
+        """Lower and upper limits as the file states them, followers' too; infinite where there are none. (n,), (n,)."""
+        robot = self.model.robot
+        single = [stated_range(robot, j) if j.type.nq == 1 else (-math.inf, math.inf) for j in self.joints]
         return np.array([ends[0] for ends in single]), np.array([ends[1] for ends in single])
 
     @cached_property

@@ -101,6 +101,8 @@ def filled(
     if isinstance(values, Mapping):
         index = {name: i for i, name in enumerate(names)}
         for name, value in values.items():
+            if not _are_numbers(value):
+                raise ConfigurationError(f"the {what} of {quote(str(name))} is {quote(str(value))}, not a number")
             if name in index:
                 if not isinstance(value, (int, float)) and np.size(value) != 1:
                     raise ConfigurationError(f"joint {quote(name)} takes one {what}, not {np.size(value)}")
@@ -132,6 +134,14 @@ def scale_angles(robot: Robot, vector: Array, slices: Mapping[str, slice], facto
     for joint in robot.independent:
         if joint.type.is_angle or joint.type is JointType.PLANAR:
             vector[..., slices[joint.name].stop - 1] *= factor
+
+
+def _are_numbers(value: object) -> bool:
+    """Return whether a value of a mapping is a number, or a list of numbers."""
+    try:
+        return np.asarray(value).dtype.kind in "iuf"
+    except ValueError:
+        return False
 
 
 def _counted(count: int, what: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from kinetostat.analysis.configuration import checked, random_configurations
+from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.jacobian import labelled, velocity_units
 from kinetostat.analysis.task import (
@@ -20,11 +20,11 @@ from kinetostat.analysis.task import (
     pointing_up,
     turning_columns,
 )
+from kinetostat.analysis.usual_rank import sampled_jacobians
 from kinetostat.analysis.weights import JointWeights, fixed_weights, limit_weights
 from kinetostat.conventions import Array, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
-from kinetostat.engines.screw import ScrewEngine
 from kinetostat.errors import UsageError, quote
 from kinetostat.urdf.description import Joint, Robot
 
@@ -32,7 +32,6 @@ __all__ = ["Block", "Ellipsoid", "Manipulability", "Transmission", "manipulabili
 
 _NO_LENGTH = 1e-9  # of the robot's reach: a distance below it is rounding
 _SHORTEST, _LONGEST = 1e-9, 1e9  # m
-_SAMPLES, _SEED = 8, 0  # configurations that tell the usual rank
 STRICT = 1e-9  # of the largest singular value: below it a singular value is zero
 
 
@@ -326,16 +325,8 @@ _FORCE_UNIT = {"m/rad": "N/Nm", "rad/m": "Nm/N", "m/s": "N/W", "rad/s": "Nm/W", 
 
 
 def _usual_ranks(model: Model, velocity: Velocity, columns: Sequence[int], tasks: Sequence[Task]) -> list[int]:
-    """Return the largest rank of each task's rows at a few random configurations: what the structure gives it.
-
-    Limits do not count: there are files that lock every joint at zero by leaving them out.
-    """
-    samples, generator = random_configurations(model.robot, _SEED, _SAMPLES), np.random.default_rng(_SEED)
-    for joint in model.robot.independent:
-        if joint.type.nq == 1:
-            moved = generator.uniform(-np.pi, np.pi, _SAMPLES) if joint.type.is_angle else generator.random(_SAMPLES)
-            samples[:, model.robot.position_slices[joint.name].start] += moved
-    matrix = ScrewEngine(model.robot).jacobian(samples, velocity)[..., columns]
+    """Return the largest rank of each task's rows at a few random configurations: what the structure gives it."""
+    matrix = sampled_jacobians(model, velocity, columns)
     return [
         int(np.max(_rank(np.linalg.svd(rows, compute_uv=False), rows)))
         for rows in (matrix[..., list(task.rows), :] for task in tasks)

@@ -158,6 +158,8 @@ def ik_result(result: InverseKinematics, at: Configuration) -> dict[str, Any]:
             for step in result.trace
         ],
     }
+    if None in _residuals(result):
+        payload["residual"]["reason"] = "null where no row of it counts"
     if not result.trace:
         payload["trace_reason"] = "method damped keeps none"
     return payload

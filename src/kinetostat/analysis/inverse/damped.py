@@ -17,7 +17,7 @@ from kinetostat.conventions import Array, Flags
 
 __all__ = ["descend", "solve", "solve_freely"]
 
-_ITERATIONS = 60
+_ITERATIONS = 30  # beyond them, a descent that is not near has most often stalled: a restart does better
 _LONGER = 300  # for those that are near: at a singular configuration the last digits come slowly
 _NEAR = 2e-2
 _STUCK = 1e-11  # a step this short is the end
@@ -25,7 +25,7 @@ _LEAST, _MOST = 1e-6, 1e12  # of the factor of the damping
 _FLOOR = 1e-14  # damping at least, as a share of the matrix itself
 _PRECISE = 1e-14  # an error below it cannot be lessened
 _SEED = 0
-_AT_ONCE = 64  # descents at least in a round: restarts of the last few poses are made side by side
+_AT_ONCE = 8, 64  # descents at least, at first and later, in a round: restarts of few poses are made side by side
 
 
 def solve(
@@ -46,12 +46,13 @@ def solve(
         coordinates (N, n) inside limits, the norm of the scaled error (N,), and iterations in all (N,).
     """
     q, size, iterations = _attempt(aim, starts, targets)
-    tried = 1
+    tried, at_once = 1, _AT_ONCE[0]
     while tried < tries:
         missing = np.flatnonzero(size >= REACHED)
         if len(missing) == 0:
             break
-        each = int(min(max(1, _AT_ONCE // len(missing)), tries - tried))
+        each = int(min(max(1, at_once // len(missing)), tries - tried))
+        at_once = _AT_ONCE[1]
         drawn = aim.joints.draw(generator, (len(missing) * each,), limited=True)
         found, sizes, more = _attempt(aim, drawn, np.repeat(targets[missing], each, axis=0))
         found, sizes = found.reshape(len(missing), each, -1), sizes.reshape(len(missing), each)
@@ -62,13 +63,17 @@ def solve(
         size[missing[better]] = sizes[rows, best][better]
         iterations[missing] += more.reshape(len(missing), each).sum(axis=1)
         tried += each
+    missing = np.flatnonzero(size >= REACHED)
+    if len(missing):  # by how much it is missed is told to more digits than a try goes for
+        q[missing], size[missing], more = descend(aim, q[missing], targets[missing], most=_LONGER)
+        iterations[missing] += more
     return q, size, iterations
 
 
 def solve_freely(aim: Aim, target: Array) -> bool:
     """Return whether some of many descents without limits reach a target (4, 4)."""
-    drawn = aim.joints.draw(np.random.default_rng(_SEED), (_AT_ONCE,))
-    _, size, _ = descend(aim, drawn, np.broadcast_to(target, (_AT_ONCE, 4, 4)), limited=False)
+    drawn = aim.joints.draw(np.random.default_rng(_SEED), (_AT_ONCE[1],))
+    _, size, _ = descend(aim, drawn, np.broadcast_to(target, (len(drawn), 4, 4)), limited=False)
     return bool(np.any(size < REACHED))
 
 
@@ -94,7 +99,9 @@ def _attempt(aim: Aim, starts: Array, targets: Array) -> tuple[Array, Array, Arr
     return q, size, iterations
 
 
-def descend(aim: Aim, starts: Array, targets: Array, *, limited: bool = True) -> tuple[Array, Array, Array]:
+def descend(
+    aim: Aim, starts: Array, targets: Array, *, limited: bool = True, most: int = _ITERATIONS
+) -> tuple[Array, Array, Array]:
     """Return where the descent from each start ends, its error, and how many iterations it took.
 
     Args:
@@ -102,6 +109,7 @@ def descend(aim: Aim, starts: Array, targets: Array, *, limited: bool = True) ->
         starts: coordinates (N, n); inside limits, if those count.
         targets: (N, 4, 4).
         limited: whether joints stay inside their limits.
+        most: how many iterations at most, of those that are not near.
 
     Returns:
         coordinates (N, n), the norm of the scaled error (N,), iterations (N,).
@@ -113,7 +121,7 @@ def descend(aim: Aim, starts: Array, targets: Array, *, limited: bool = True) ->
     size = np.linalg.norm(error, axis=-1)
     alive = size > _PRECISE
     for i in range(_LONGER):
-        alive &= (i < _ITERATIONS) | (size < _NEAR)
+        alive &= (i < most) | (size < _NEAR)
         open_ = np.flatnonzero(alive)
         if len(open_) == 0:
             break

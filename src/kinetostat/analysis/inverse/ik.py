@@ -21,7 +21,7 @@ from kinetostat.analysis.jacobian import checked_point
 from kinetostat.analysis.task import FULL, TRANSLATION, Task
 from kinetostat.conventions import Array, Flags, Reference
 from kinetostat.engines.model import Model
-from kinetostat.errors import UsageError, quote
+from kinetostat.errors import ConfigurationError, UsageError, quote
 from kinetostat.screw import se3
 
 __all__ = ["InverseKinematics", "Solutions", "ik", "ik_all"]
@@ -136,12 +136,12 @@ def ik(
         raise UsageError(f"between 1 and {_MOST_TRIES} tries, not {tries}")
     if step is not None and (method is not Method.PSEUDO_INVERSE or not 0 < step <= 1):
         raise UsageError("a step is between 0 and 1, and pseudo-inverse's", remedy="for instance 0.1")
-    shape = np.broadcast_shapes(q.shape[:-1], goal.matrix.shape[:-2])
+    shape = _shape(q, goal)
     whole = np.broadcast_to(q, (*shape, robot.nq)).reshape(-1, robot.nq).copy()
     targets = np.broadcast_to(goal.matrix, (*shape, 4, 4)).reshape(-1, 4, 4)
     starts, trace = whole[:, list(aim.joints.indices)], tuple[Step, ...]()
     if method is Method.DAMPED:
-        found, _, iterations = solve(aim, starts, targets, np.random.default_rng(seed), tries)
+        found, _, iterations = solve(aim, starts, targets, _generator(seed), tries)
     else:
         if len(starts) != 1:
             raise UsageError(f"method {method} takes one pose and one start", remedy="or use method damped")
@@ -195,6 +195,20 @@ def _question(
         raise UsageError(f"the pose has no orientation, but {rows} counts", remedy="add it: 'x,y,z rpy r,p,y'")
     aim = Aim.of(coordinates(model, tip, observer, at), task, local=reference is Reference.LOCAL)
     return q, aim, goal, observer, at
+
+
+def _shape(q: Array, goal: Pose) -> tuple[int, ...]:
+    try:
+        return np.broadcast_shapes(q.shape[:-1], goal.matrix.shape[:-2])
+    except ValueError:
+        message = f"starts of shape {q.shape} do not go with poses of shape {goal.matrix.shape}"
+        raise ConfigurationError(message) from None
+
+
+def _generator(seed: int) -> np.random.Generator:
+    if not isinstance(seed, int) or seed < 0:
+        raise UsageError(f"a seed is a whole number from 0 on, not {seed}")
+    return np.random.default_rng(seed)
 
 
 def _iterated(aim: Aim, method: Method, step: float | None, start: Array, target: Array) -> list[Step]:
@@ -318,7 +332,7 @@ def ik_all(
     q, aim, goal, observer, at = _question(model, frame, wanted, q, axes, reference, relative_to, point)
     if q.ndim != 1 or goal.matrix.ndim != 2:
         raise UsageError("all solutions are those of one pose", remedy="take them one by one")
-    found = branches(aim, goal.matrix, np.random.default_rng(seed))
+    found = branches(aim, goal.matrix, _generator(seed))
     origin = q[list(aim.joints.indices)]
     points = aim.joints.near(found.q, origin)
     inside = _inside(aim.joints, points)

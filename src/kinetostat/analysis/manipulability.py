@@ -32,6 +32,7 @@ __all__ = ["Block", "Ellipsoid", "Manipulability", "Transmission", "manipulabili
 
 _NO_LENGTH = 1e-9  # of the robot's reach: a distance below it is rounding
 _SHORTEST, _LONGEST = 1e-9, 1e9  # m
+_ROUNDING = 1e-13  # m or rad: a matrix without a larger entry is zero
 STRICT = 1e-9  # of the largest singular value: below it a singular value is zero
 
 
@@ -373,12 +374,13 @@ def _block(
     left = pointing_up(left)
     padded = np.concatenate([values, np.zeros((*values.shape[:-1], len(task.rows) - count))], -1)
     largest = values[..., :1]
-    zero = padded <= STRICT * np.maximum(largest, np.finfo(float).tiny)
+    zero = padded <= np.maximum(STRICT * largest, _ROUNDING)
     with np.errstate(divide="ignore"):
         forces = np.where(zero, np.inf, 1 / padded)
     gradients = _gradients(values, slopes)
     volume = np.prod(values, axis=-1)
-    inverse_condition = np.divide(values[..., -1], values[..., 0], out=np.zeros_like(volume), where=values[..., 0] > 0)
+    moving = values[..., 0] > _ROUNDING
+    inverse_condition = np.divide(values[..., -1], values[..., 0], out=np.zeros_like(volume), where=moving)
     squares, regular = np.mean(values**2, axis=-1), ~np.any(zero[..., :count], axis=-1)
     isotropy = np.divide(volume ** (2 / count), squares, out=np.zeros_like(volume), where=regular)  # a root of noise
     penalised = None
@@ -411,7 +413,7 @@ def _rank(values: Any, matrix: Array) -> Array:
         norms = np.linalg.norm(balanced, axis=axis, keepdims=True)
         balanced = balanced / np.where(norms > STRICT * np.maximum(values[..., :1, None], 1e-300), norms, 1.0)
     found = np.linalg.svd(balanced, compute_uv=False)
-    rank: Array = np.sum(found > STRICT * found[..., :1], axis=-1) * (values[..., 0] > 0)
+    rank: Array = np.sum(found > STRICT * found[..., :1], axis=-1) * (values[..., 0] > _ROUNDING)
     return rank
 
 

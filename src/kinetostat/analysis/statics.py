@@ -131,12 +131,12 @@ def torque(
     exerted = [replace(load, wrench=-load.wrench) for load in wrenches] if on is On.ROBOT else list(wrenches)
     held = carried(robot, payload, pull)
 
+    def part(engine: Engine, pulled: Array, borne: Sequence[Load]) -> Array:
+        bears = bool(borne) or bool(np.any(pulled))
+        return engine.holding_torques(q, pulled, borne) if bears else np.zeros((*q.shape[:-1], robot.nv))
+
     def parts(engine: Engine) -> Array:
-        found = [
-            engine.holding_torques(q, none, exerted),
-            engine.holding_torques(q, down, ()),
-            engine.holding_torques(q, none, held),
-        ]
+        found = part(engine, none, exerted), part(engine, down, ()), part(engine, none, held)
         return np.stack(np.broadcast_arrays(*found), -2)
 
     loads = (*exerted, *held)

@@ -140,7 +140,7 @@ def torque(
         return np.stack(np.broadcast_arrays(*found), -2)
 
     loads = (*exerted, *held)
-    value, certificate = certified(model, parts, load_scale(robot, q, loads), force_scale(model, pull, loads))
+    value, certificate = certified(model, parts, load_scale(robot, q, loads), force_scale(model, down, loads))
     return Torques(
         tuple(name for joint in robot.independent for name in joint.velocity_names),
         tuple(unit for joint in robot.independent for unit in effort_units(joint)),

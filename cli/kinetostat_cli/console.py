@@ -54,6 +54,7 @@ def warn(messages: Iterable[str]) -> None:
 def load(robot: RobotOptions, output: OutputOptions) -> Model:
     """Read the robot as the options say."""
     import kinetostat
+    from kinetostat.errors import quote
 
     arguments = {}
     for argument in robot.xacro_arg or []:
@@ -63,8 +64,9 @@ def load(robot: RobotOptions, output: OutputOptions) -> Model:
             raise kinetostat.UsageError(message, remedy="for instance side:=left")
         arguments[name] = value
     for folder in robot.package_dir or []:
-        if not folder.is_dir():
-            raise kinetostat.UsageError(f"--package-dir {folder} is not a folder", remedy="name a folder with packages")
+        if not os.path.isdir(folder):  # noqa: PTH112 (Path.is_dir raises where the name is too long)
+            message = f"--package-dir {quote(str(folder))} is not a folder"
+            raise kinetostat.UsageError(message, remedy="name a folder with packages")
     model = kinetostat.load(
         robot.source,
         floating_base=robot.base is Base.FLOATING,
@@ -166,8 +168,11 @@ def write_answer(answer: Answer, output: OutputOptions) -> None:
 
 
 @contextlib.contextmanager
-def opened(output: OutputOptions) -> Iterator[Callable[[str], None]]:
-    """Yield what writes text to where the result goes: a file that is there whole or not at all, or standard output."""
+def opened(output: OutputOptions) -> Iterator[Callable[[str], bool]]:
+    """Yield what writes text to where the result goes: a file that is there whole or not at all, or standard output.
+
+    It tells whether anybody still reads.
+    """
     if output.output is None or output.output == Path("-"):
         yield _write_out
         return
@@ -177,8 +182,9 @@ def opened(output: OutputOptions) -> Iterator[Callable[[str], None]]:
         yield lambda text: _write_to(file, text)
 
 
-def _write_to(file: BinaryIO, text: str) -> None:
+def _write_to(file: BinaryIO, text: str) -> bool:
     file.write(text.encode())
+    return True
 
 
 def exit_if_apart(certificate: Certificate | None, model: Model | None) -> None:
@@ -218,18 +224,24 @@ def _rendered(answer: Answer, form: Format) -> str:
     return text.render(view)
 
 
-def _write_out(text: str) -> None:
+def _write_out(text: str) -> bool:
     """Write to standard output. A reader that has gone (head, less) is no error: it has what it wanted."""
+    if sys.stdout is None:
+        from kinetostat.errors import UsageError
+
+        raise UsageError("cannot write to standard output: it is closed", remedy="use -o FILE")
     try:
         sys.stdout.write(text)
         sys.stdout.flush()
     except BrokenPipeError:
         _forget_output()
+        return False
     except OSError as error:
         from kinetostat.errors import UsageError
 
         _forget_output()
         raise UsageError(f"cannot write to standard output: {error.strerror}", remedy="is the disk full?") from None
+    return True
 
 
 def _forget_output() -> None:

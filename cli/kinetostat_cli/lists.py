@@ -76,11 +76,13 @@ def answer_list(
                 columns, proofs = found.columns, [combined([*proofs, found.certificate])]
                 reasons = _merged(reasons, found)
             columns = _answered(columns, batch.reasons, reasons)
-            write(
+            text = (
                 form.json_rows(batch.numbers, columns, reasons, first=count == 0)
                 if as_json
                 else form.csv_rows(batch.numbers, columns, reasons)
             )
+            if not write(text):  # nobody reads any more
+                return
             count, failed = count + len(batch.numbers), failed + sum(reason is not None for reason in reasons)
             if tell is not None:
                 tell(f"{count} rows", 0.0)

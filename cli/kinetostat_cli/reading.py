@@ -97,7 +97,7 @@ def batches(file: Path, kind: RowKind) -> Iterator[Batch]:
 
     rows, number, names = _rows(file), 0, None
     for first in rows:
-        if not isinstance(first, Mapping) and _floats([first]) is None and any(str(cell).strip() for cell in first):
+        if _is_header(first):
             names = [_without_unit(str(cell)) for cell in first]
             if kind.columns is not None and (names[0], names[-1]) == ("row", "reason"):
                 names, rows = _own_columns(names, rows, kind.columns)
@@ -109,6 +109,12 @@ def batches(file: Path, kind: RowKind) -> Iterator[Batch]:
         numbers = range(number + 1, number + len(batch) + 1)
         number += len(batch)
         yield _batch(kind, numbers, batch, names)
+
+
+def _is_header(row: Row) -> bool:
+    """Return whether a first row names columns: words, none of which is a number."""
+    words = [] if isinstance(row, Mapping) else [cell.strip() for cell in row if isinstance(cell, str)]
+    return len(words) == len(row) and any(words) and all(_floats([[word]]) is None for word in words)
 
 
 def _without_unit(name: str) -> str:
@@ -189,27 +195,29 @@ def _rows(file: Path) -> Iterator[Row]:
     """
     from kinetostat.errors import ConfigurationError
 
-    if file == Path("-"):
-        yield from _csv_rows(sys.stdin)
-        return
     kind = file.suffix.lower()
     if kind == ".json":
         yield from _json_rows(file)
         return
-    if not file.exists():
-        raise ConfigurationError("there is no such file", file=str(file), remedy="check the path")
-    if not file.is_file() and file.parent != Path("/dev/fd"):  # what <(command) names; others may block for ever
-        raise ConfigurationError("this is not a regular file", file=str(file), remedy="pipe it to '-'")
     try:
+        if file == Path("-"):
+            yield from _csv_rows(sys.stdin)
+            return
+        if not file.exists():
+            raise ConfigurationError("there is no such file", file=str(file), remedy="check the path")
+        if not file.is_file() and file.parent != Path("/dev/fd"):  # what <(command) names; others may block for ever
+            raise ConfigurationError("this is not a regular file", file=str(file), remedy="pipe it to '-'")
         with file.open(encoding="utf-8-sig", newline="") as text:
             yield from (_json_line(line) for line in text if line.strip()) if kind == ".jsonl" else _csv_rows(text)
+    except csv.Error as error:
+        raise ConfigurationError(f"not CSV: {error}", file=str(file), remedy="is a quotation mark open?") from None
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
         raise ConfigurationError(f"the list cannot be read: {reason}", file=str(file)) from None
 
 
 def _csv_rows(text: Any) -> Iterator[Row]:
-    for i, row in enumerate(csv.reader(text)):
+    for i, row in enumerate(csv.reader(text, strict=True)):
         if i == 0 and row:
             row[0] = row[0].removeprefix("\ufeff")  # a byte order mark, which standard input keeps
         if row:  # a blank line separates; a row of empty cells is one without an answer

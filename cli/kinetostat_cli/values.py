@@ -104,9 +104,11 @@ def _is_value(value: object) -> bool:
 
 
 def _from_csv(text: str, name: str) -> tuple[Mapping[str, Any] | list[float], bool]:
-    rows = [
-        [cell.strip() for cell in row] for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)
-    ]
+    try:
+        read = [[cell.strip() for cell in row] for row in csv.reader(text.splitlines())]
+    except csv.Error as error:
+        raise ConfigurationError(f"not CSV: {error}", file=name) from None
+    rows = [row for row in read if any(row)]
     values = _floats(rows[-1]) if rows else None
     if values is None or len(rows) > 2:
         raise ConfigurationError(

@@ -151,8 +151,9 @@ def _interval(torques: Array, rest: Torques) -> tuple[Array, Array, Array]:
     # A joint that does not feel the force, but is overloaded without it, makes every force impossible.
     over = ~felt & ((rest.total > limits.upper) | (rest.total < limits.lower))
     value, least = np.min(highest, axis=-1, initial=np.inf), np.max(lowest, axis=-1, initial=-np.inf)
-    stopped = np.argmin(highest, axis=-1) if torques.shape[-1] else np.zeros(value.shape, dtype=int)
-    overloaded = np.any(over, axis=-1)
+    if not torques.shape[-1]:  # nothing moves, nothing stops it
+        return value, np.maximum(least, 0.0), np.full(value.shape, -1)
+    stopped, overloaded = np.argmin(highest, axis=-1), np.any(over, axis=-1)
     binding = np.where(overloaded, np.argmax(over, axis=-1), np.where(np.isinf(value), -1, stopped))
     impossible = overloaded | (value < np.maximum(least, 0.0))
     return np.where(impossible, np.nan, value), np.maximum(least, 0.0), binding

@@ -13,6 +13,7 @@ from kinetostat.errors import UsageError
 
 __all__ = ["JointResolution", "Requirement", "joint_resolution"]
 
+_SMALLEST = 1e-12  # m or rad
 _LARGE = 0.1  # rad: where errors of joints stop being small
 
 
@@ -84,8 +85,9 @@ def joint_resolution(
     """
     wanted = [(accuracy, error.translation, slice(0, 3)), (accuracy_angle, error.rotation, slice(3, 6))]
     for size, name in ((accuracy, "--accuracy"), (accuracy_angle, "--accuracy-angle")):
-        if size is not None and not 0 < size < math.inf:
-            raise UsageError(f"{name} is positive, not {size:g}", remedy="for instance 0.001")
+        if size is not None and not _SMALLEST <= size <= 1 / _SMALLEST:
+            message = f"{name} is between {_SMALLEST:g} and {1 / _SMALLEST:g}, not {size:g}"
+            raise UsageError(message, remedy="for instance 0.001")
     if accuracy is None and accuracy_angle is None:
         raise UsageError("no accuracy is wanted", remedy="give --accuracy in m, or --accuracy-angle")
     sizes, turning = np.abs(error.joint_error), np.array([unit == "rad" for unit in error.column_units])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -36,10 +37,10 @@ def open_whole(path: Path) -> Iterator[BinaryIO]:
             with path.open("wb") as file:
                 yield file
         else:
-            yield from _replaced(path)
-    except OSError as error:
+            yield from _replaced(path.resolve(strict=path.is_symlink()))  # a link stays, what it names is replaced
+    except (OSError, RuntimeError) as error:
         raise UsageError(
-            f"cannot write {quote(str(path))}: {error.strerror or error}", remedy="check its folder"
+            f"cannot write {quote(str(path))}: {getattr(error, 'strerror', None) or error}", remedy="check its folder"
         ) from None
 
 
@@ -48,10 +49,17 @@ def _replaced(path: Path) -> Iterator[BinaryIO]:
     try:
         with os.fdopen(handle, "wb") as file:
             yield file
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(draft).chmod(0o666 & ~umask)
+        Path(draft).chmod(_mode(path))
         Path(draft).replace(path)
     except BaseException:
         Path(draft).unlink(missing_ok=True)
         raise
+
+
+def _mode(path: Path) -> int:
+    """Return the permissions that a file has, or that a new one gets."""
+    if path.exists():
+        return stat.S_IMODE(path.stat().st_mode)
+    umask = os.umask(0)
+    os.umask(umask)
+    return 0o666 & ~umask

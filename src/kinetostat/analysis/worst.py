@@ -20,9 +20,10 @@ from kinetostat.urdf.description import Joint, Robot
 
 __all__ = ["WorstTorques", "worst_torques"]
 
-_POLISHED = 16  # of the samples, the worst of which are starts, for each joint
+_POLISHED = 8  # of the samples, the worst of which are starts, for each joint
 _AGREE = 1e-6  # of the worst torque: starts that end so near agree
 _ITERATIONS = 200
+_ROUNDING = 1e-12  # of the largest torque
 _NO_LIMIT = 1e6  # rad or m
 
 
@@ -174,7 +175,10 @@ class _Climb:
     def worst(self, joint: Joint, drawn: Array, torques: Array) -> list[tuple[float, Array]]:
         """Return torque and configuration of the maxima that the worst samples for a joint lead to."""
         column = self.robot.velocity_slices[joint.name].start
-        order = np.argsort(-np.abs(torques[:, column]), kind="stable")[:_POLISHED]
+        sizes = np.abs(torques[:, column])
+        order = np.argsort(-sizes, kind="stable")[:_POLISHED]
+        if sizes[order[0]] <= _ROUNDING * float(np.max(np.abs(torques))):  # weight does not turn this joint
+            return [(float(torques[i, column]), drawn[i]) for i in order]
         return [self._climbed(column, drawn[i], math.copysign(1.0, torques[i, column])) for i in order]
 
     def _climbed(self, column: int, start: Array, sign: float) -> tuple[float, Array]:
@@ -204,7 +208,7 @@ class _Climb:
         return gradient
 
 
-_OPTIONS = {"maxiter": _ITERATIONS, "ftol": 1e-15, "gtol": 1e-10}
+_OPTIONS = {"maxiter": _ITERATIONS, "ftol": 1e-13, "gtol": 1e-9}
 
 
 def _range(robot: Robot, joint: Joint) -> tuple[float | None, float | None]:

@@ -451,3 +451,16 @@ def test_results_are_values():
     result = asked(real("textbook:planar_2r"), [0.1, 0.2], gravity=SKEW)
     with pytest.raises(ValueError, match="read-only"):
         result.torques[0] = 1
+
+
+def test_a_negative_mass_is_refused_where_it_would_weigh(tmp_path):
+    """Pinocchio loses the centre of such a link in silence, and the engines would disagree."""
+    text = """<robot name="r"><link name="a"/><link name="b"><inertial><origin xyz="0.3 0 0"/><mass value="-2"/>
+    <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+    <joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint></robot>"""
+    path = tmp_path / "negative.urdf"
+    path.write_text(text)
+    model = ks.load(path)
+    with pytest.raises(ks.NumberError, match="'b' is -2 kg"):
+        ks.torque(model, [0.3], gravity=True)
+    assert ks.torque(model, [0.3], [ks.load_at(model, "b", [0, 0, 1, 0, 0, 0], point=(1, 0, 0))]).certificate.agree

@@ -22,6 +22,7 @@ from kinetostat.analysis.loads import (
 from kinetostat.conventions import Array, Load, On
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
+from kinetostat.errors import NumberError, quote
 from kinetostat.urdf.description import MASSLESS, JointType, Robot
 
 __all__ = ["Reactions", "Torques", "reactions", "torque"]
@@ -123,9 +124,12 @@ def torque(
         UnknownNameError: no such frame or joint.
         UsageError: gravity, payload, limits, or `on`, that cannot be.
         ConfigurationError: q has another shape, or a number that is not finite.
+        NumberError: a link's mass is negative, and gravity counts.
     """
     robot, q, on = model.robot, checked(model.robot, q), On(on)
     down, none = checked_gravity(gravity), np.zeros(3)
+    if np.any(down):
+        _refuse_negative_masses(model)
     # A payload has its weight in any case: without gravity of the links, 9.81 m/s2 down the root's z.
     pull = checked_gravity(True) if gravity is None or gravity is False else down
     exerted = [replace(load, wrench=-load.wrench) for load in wrenches] if on is On.ROBOT else list(wrenches)
@@ -158,6 +162,18 @@ def torque(
         certificate,
         tuple(_about_masses(model) if np.any(down) else ()),
     )
+
+
+def _refuse_negative_masses(model: Model) -> None:
+    """Refuse to weigh a robot with a mass below zero, whose centre Pinocchio loses without a word."""
+    for link in model.robot.links:
+        if link.inertial is not None and link.inertial.mass < 0:
+            raise NumberError(
+                f"the mass of link {quote(link.name)} is {link.inertial.mass:g} kg: below zero",
+                file=model.loaded.source.name,
+                line=link.line,
+                remedy="correct it, or ask without gravity",
+            )
 
 
 def _about_masses(model: Model) -> list[str]:

@@ -97,11 +97,14 @@ def worst_torques(
         UnknownNameError: no such frame or joint.
         UsageError: no joint that may move; samples, gravity, payload or limits that cannot be.
         ConfigurationError: q has another shape, or a number that is not finite.
+        NumberError: a link's mass is negative.
     """
     robot, q, down = model.robot, checked(model.robot, q), checked_gravity(gravity)
     joints = [joint for joint in robot.independent if joint.type.nq == 1]
-    if not joints or q.ndim != 1:
-        raise UsageError("the worst torque is one of joints with one coordinate each, from one configuration on")
+    if not joints:
+        raise UsageError("the robot has no joint with one coordinate, whose torque could be worst")
+    if q.ndim != 1:
+        raise UsageError("the worst torques are looked for from one configuration on")
     if not 1 <= samples <= 1_000_000:
         raise UsageError(f"between 1 and 1,000,000 samples, not {samples}")
     drawn = _drawn(robot, q, joints, samples, seed)

@@ -392,9 +392,9 @@ def test_a_whole_number_of_counts_is_not_rounded_up():
 @pytest.mark.parametrize("size", [0, -1, math.nan, math.inf])
 def test_an_accuracy_that_cannot_be_is_refused(size):
     result = error_of("textbook:planar_1r", (0.3,))
-    with pytest.raises(ks.UsageError, match="--accuracy is positive"):
+    with pytest.raises(ks.UsageError, match="--accuracy is between"):
         ks.joint_resolution(result, accuracy=size)
-    with pytest.raises(ks.UsageError, match="--accuracy-angle is positive"):
+    with pytest.raises(ks.UsageError, match="--accuracy-angle is between"):
         ks.joint_resolution(result, accuracy_angle=size)
     with pytest.raises(ks.UsageError, match="no accuracy is wanted"):
         ks.joint_resolution(result)

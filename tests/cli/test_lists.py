@@ -392,3 +392,66 @@ def test_counts_are_numbers_in_json(listed):
     result = json.loads(listed("0.1,1\n", "-F", "json", command=IK)[1].out)["result"]
     (row,) = result["rows"]
     assert isinstance(row["values"][result["columns"].index("iterations")], int)
+
+
+# --- what a hostile or careless file does not do -----------------------------------------------------------------
+
+
+def test_a_field_beyond_what_csv_holds_is_one_line(cli, tmp_path):
+    (tmp_path / "long.csv").write_text("x" * 200_000 + "\n1\n")
+    answer = cli("torque", "textbook:planar_1r", "--gravity", "--qs", str(tmp_path / "long.csv"))
+    assert answer.code == 2
+    assert "not CSV" in answer.err
+
+
+def test_an_open_quotation_mark_does_not_swallow_rows(cli, tmp_path):
+    (tmp_path / "open.csv").write_text('0.1\n"0.2\n0.3\n')
+    answer = cli("torque", "textbook:planar_1r", "--gravity", "--qs", str(tmp_path / "open.csv"))
+    assert answer.code == 2
+    assert "quotation mark" in answer.err
+
+
+def test_a_path_that_is_too_long_is_one_line(cli):
+    for words in (("--qs", "x" * 5000), ("--package-dir", "x" * 5000)):
+        answer = cli("torque", "textbook:planar_1r", "--gravity", *words)
+        assert answer.code == 2
+        assert answer.err.startswith("kinetostat: error: ")
+
+
+def test_a_faulty_first_row_is_a_row_and_no_header(cli, tmp_path):
+    for name, text in (("a.csv", ",0\n0.1,0.2\n"), ("b.json", "[[0.1, null], [0.1, 0.2]]")):
+        (tmp_path / name).write_text(text)
+        answer = cli("torque", "textbook:planar_2r", "--gravity", "--qs", str(tmp_path / name))
+        assert answer.code == 0, answer.err
+        first, second = answer.out.splitlines()[1:]
+        assert first.endswith("is not a number")
+        assert second.startswith("2,")
+
+
+def test_own_answers_are_read_again(cli, tmp_path):
+    (tmp_path / "poses.csv").write_text("1.2,0.6,0\n9,9,0\n")
+    solved = str(tmp_path / "solved.csv")
+    question = ("textbook:planar_2r", "--axes", "xyz", "--poses", str(tmp_path / "poses.csv"), "-o", solved)
+    assert cli("ik", *question).code == 0
+    answer = cli("torque", "textbook:planar_2r", "--gravity", "--qs", solved)
+    assert answer.code == 0, answer.err
+    first, second = answer.out.splitlines()[1:]
+    assert first.startswith("1,")
+    assert "an empty row" in second
+
+
+def test_a_link_that_is_written_to_stays_one(cli, tmp_path):
+    real, link = tmp_path / "real.txt", tmp_path / "link.txt"
+    real.write_text("old")
+    real.chmod(0o600)
+    link.symlink_to(real)
+    assert cli("fk", "textbook:planar_1r", "-o", str(link)).code == 0
+    assert link.is_symlink()
+    assert "tool" in real.read_text()
+    assert real.stat().st_mode & 0o777 == 0o600
+
+
+def test_a_robot_without_joints_has_no_largest_force(cli):
+    answer = cli("torque", "textbook:rigid_body", "-f", "b", "--max", "z")
+    assert answer.code == 0, answer.err
+    assert "needs no torque of any joint" in " ".join(answer.out.split())

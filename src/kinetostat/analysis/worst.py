@@ -102,9 +102,9 @@ def worst_torques(
     robot, q, down = model.robot, checked(model.robot, q), checked_gravity(gravity)
     joints = [joint for joint in robot.independent if joint.type.nq == 1]
     if not joints:
-        raise UsageError("the robot has no joint with one coordinate, whose torque could be worst")
+        raise UsageError("no worst torque: the robot has no joint with one coordinate")
     if q.ndim != 1:
-        raise UsageError("the worst torques are looked for from one configuration on")
+        raise UsageError("a worst torque is looked for from one configuration on")
     if not 1 <= samples <= 1_000_000:
         raise UsageError(f"between 1 and 1,000,000 samples, not {samples}")
     drawn = _drawn(robot, q, joints, samples, seed)

@@ -97,7 +97,7 @@ def configurations(ctx: typer.Context, incomplete: str) -> list[str]:
     words = [] if comma else ["zero", "mid", "random:"]
     for loaded in _loaded(ctx):
         words += [] if comma else loaded.semantics.state_names()
-        words += [f"{name}=" for joint in loaded.robot.independent for name in joint.position_names]
+        words += [f"{name}=" for name in loaded.robot.position_names]
     return _matching((before + comma + word for word in words), incomplete)
 
 

@@ -65,8 +65,7 @@ def configuration_rows(model: Model, at: ConfigurationOptions) -> RowKind:
         return kinetostat.configuration(model, row, degrees=at.deg, quaternion_first=first).q[None]
 
     # Not zero, where an answer may be special.
-    coordinates = tuple(name for joint in model.robot.independent for name in joint.position_names)
-    return RowKind(coordinates, kinetostat.random_configurations(model, 0, 1), many, named)
+    return RowKind(model.robot.position_names, kinetostat.random_configurations(model, 0, 1), many, named)
 
 
 def pose_rows(at: ConfigurationOptions, *, oriented: bool) -> RowKind:

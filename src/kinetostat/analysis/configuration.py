@@ -21,7 +21,7 @@ __all__ = ["Configuration", "configuration", "random_configurations"]
 
 LARGEST_ANGLE = 1e6  # rad: beyond it an angle has lost its last digits, and a certificate its meaning
 LARGEST_LENGTH = 1e12  # m
-_NO_LIMIT = 1e6  # rad or m: a larger one is written for "none"
+NO_LIMIT = 1e6  # rad or m: a larger one is written for "none"
 _SHORTEST_QUATERNION = 1e-9
 _QUATERNION_SLACK = 1e-3  # how far from 1 the length of one that is typed may be
 _LIMIT_SLACK = 1e-9  # a limit typed with ten digits is not exceeded by its own rounding
@@ -247,7 +247,7 @@ def _bounded(joint: Joint) -> tuple[float, float]:
 def _stated(joint: Joint) -> tuple[float, float]:
     """Return the range of a joint, infinite where it is so large that it was written for "none"."""
     lower, upper = joint.limit.range
-    return (lower if abs(lower) < _NO_LIMIT else -math.inf), (upper if abs(upper) < _NO_LIMIT else math.inf)
+    return (lower if abs(lower) < NO_LIMIT else -math.inf), (upper if abs(upper) < NO_LIMIT else math.inf)
 
 
 def _seed(wanted: str) -> int:
@@ -260,8 +260,7 @@ def _seed(wanted: str) -> int:
 def _from_values(
     robot: Robot, values: Mapping[str, Value] | Sequence[float] | Array, degrees: bool, quaternion_first: str
 ) -> Array:
-    names = [name for joint in robot.independent for name in joint.position_names]
-    q = filled(robot, neutral(robot), names, robot.position_slices, values, "position")
+    q = filled(robot, neutral(robot), robot.position_names, robot.position_slices, values, "position")
     if degrees:
         scale_angles(robot, q, robot.position_slices, math.pi / 180)
     named = set(values) if isinstance(values, Mapping) else None
@@ -305,7 +304,7 @@ def from_rows(
             quaternion that has not length 1.
     """
     robot = described(model)
-    coordinates = [name for joint in robot.independent for name in joint.position_names]
+    coordinates = robot.position_names
     if names is None:
         names = coordinates
     places = [coordinates.index(n) if n in coordinates else _no_place(robot, n, coordinates) for n in names]

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from kinetostat.analysis.configuration import LARGEST_LENGTH
-from kinetostat.analysis.joint_values import Value, joint_rates, parsed
+from kinetostat.analysis.joint_values import Value, joint_rates, listed, parsed
 from kinetostat.analysis.task import turning_columns
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
@@ -55,10 +55,10 @@ def joint_errors(
         columns = robot.velocity_columns(joints)
         elsewhere = np.flatnonzero(np.delete(every, columns))
         if elsewhere.size:
-            others = np.delete([name for joint in robot.independent for name in joint.velocity_names], columns)
+            others = np.delete(robot.velocity_names, columns)
             raise UsageError(
                 f"joint {quote(str(others[elsewhere[0]]))} does not move {quote(of)} relative to {quote(observer)}",
-                remedy=f"these do: {_listed(names)}",
+                remedy=f"these do: {listed(names)}",
             )
         errors = every[columns]
     else:
@@ -68,7 +68,7 @@ def joint_errors(
     if len(errors) != len(names):
         raise UsageError(
             f"{len(errors)} joint errors are given, {len(names)} are needed",
-            remedy=f"one for all joints that turn, or in the order {_listed(names)}",
+            remedy=f"one for all joints that turn, or in the order {listed(names)}",
         )
     errors = np.where(turning & degrees, np.radians(errors), errors)
     for name, value, turns in zip(names, errors, turning, strict=True):
@@ -80,10 +80,6 @@ def joint_errors(
                 remedy="check the unit",
             )
     return errors
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join([cut(name) for name in names[:12]] + (["..."] if len(names) > 12 else []))
 
 
 def _numbers(values: object, given: object, names: Sequence[str]) -> Array:

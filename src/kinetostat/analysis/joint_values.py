@@ -12,7 +12,7 @@ from kinetostat.engines.model import Model
 from kinetostat.errors import ConfigurationError, cut, quote
 from kinetostat.urdf.description import JointType, Robot
 
-__all__ = ["Value", "described", "filled", "joint_rates", "parsed", "scale_angles"]
+__all__ = ["Value", "described", "filled", "joint_rates", "listed", "parsed", "scale_angles"]
 
 Value = float | Sequence[float]
 
@@ -48,8 +48,7 @@ def joint_rates(
             f"{quote(str(wanted))} is no list of {quantity}s", remedy="write j1=0.3,j2=-1.2 or 0.3,-1.2,..."
         )
     rates = np.zeros(robot.nv)
-    names = [name for joint in robot.independent for name in joint.velocity_names]
-    rates = filled(robot, rates, names, robot.velocity_slices, values, quantity)
+    rates = filled(robot, rates, robot.velocity_names, robot.velocity_slices, values, quantity)
     if degrees:
         scale_angles(robot, rates, robot.velocity_slices, math.pi / 180)
     return rates
@@ -92,7 +91,7 @@ def _number(word: str) -> float:
 def filled(
     robot: Robot,
     vector: Array,
-    names: list[str],
+    names: Sequence[str],
     slices: Mapping[str, slice],
     values: Mapping[str, Value] | Sequence[float] | Array,
     what: str,
@@ -118,10 +117,8 @@ def filled(
     else:
         given = np.asarray(values, dtype=np.float64)
         if given.shape != vector.shape:
-            order = ", ".join(_listed(names))
-            raise ConfigurationError(
-                f"{_counted(given.size, what)} given, {len(names)} are needed", remedy=f"in the order {order}"
-            )
+            message = f"{_counted(given.size, what)} given, {len(names)} are needed"
+            raise ConfigurationError(message, remedy=f"in the order {listed(names)}")
         vector = given.copy()
     for name, value in zip(names, vector, strict=True):
         if not math.isfinite(value):
@@ -148,6 +145,6 @@ def _counted(count: int, what: str) -> str:
     return f"{count} {what} is" if count == 1 else f"{count} {what}s are"
 
 
-def _listed(names: Sequence[str], longest: int = 12) -> list[str]:
-    """Return names quoted for a message, the first dozen."""
-    return [cut(name) for name in names[:longest]] + (["..."] if len(names) > longest else [])
+def listed(names: Sequence[str], longest: int = 12) -> str:
+    """Return names for a message, the first dozen."""
+    return ", ".join([cut(name) for name in names[:longest]] + (["..."] if len(names) > longest else []))

@@ -9,11 +9,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from kinetostat.analysis.configuration import LARGEST_LENGTH, checked, checked_rates
+from kinetostat.analysis.configuration import LARGEST_LENGTH, NO_LIMIT, checked, checked_rates
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.jacobian import labelled, velocity_units
 from kinetostat.analysis.task import FULL, Task, turning_columns
 from kinetostat.analysis.usual_rank import sampled_jacobians
+from kinetostat.analysis.utilisation import most_used
 from kinetostat.analysis.weighted_inverse import WeightedInverse
 from kinetostat.analysis.weights import fixed_weights
 from kinetostat.conventions import Array, Flags, Reference, Velocity
@@ -23,8 +24,6 @@ from kinetostat.errors import UsageError, quote
 from kinetostat.urdf.description import Joint, Robot
 
 __all__ = ["ResolvedRates", "resolved_rates"]
-
-_NO_LIMIT = 1e6  # rad or m: a larger position limit is written for "none"
 
 
 @dataclass(frozen=True, repr=False)
@@ -109,8 +108,7 @@ class ResolvedRates:
     @property
     def binding(self) -> Array:
         """Index of the column with the largest utilisation, -1 where none has a limit. (...)."""
-        used = self.utilisation
-        return np.where(np.all(np.isnan(used), -1), -1, np.argmax(np.nan_to_num(used, nan=-1.0), -1))
+        return most_used(self.utilisation)
 
 
 def resolved_rates(
@@ -359,7 +357,7 @@ def _fixed_rates(robot: Robot, q: Array, joints: Sequence[Joint], wanted: Any) -
 
 def _towards_middle(robot: Robot, joint: Joint, q: Array) -> Array:
     """Return the rate that would bring a joint to the middle of its limits in a second; 0 without limits. (...)."""
-    if joint.type.nq != 1 or not max(map(abs, joint.limit.range)) < _NO_LIMIT:
+    if joint.type.nq != 1 or not max(map(abs, joint.limit.range)) < NO_LIMIT:
         return np.zeros(q.shape[:-1])
     middle: Array = sum(joint.limit.range) / 2 - q[..., robot.position_slices[joint.name].start]
     return middle

@@ -19,10 +19,12 @@ from kinetostat.analysis.loads import (
     force_scale,
     load_scale,
 )
+from kinetostat.analysis.utilisation import most_used
 from kinetostat.conventions import Array, Load, On
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
 from kinetostat.errors import NumberError, quote
+from kinetostat.screw.chain import screw
 from kinetostat.urdf.description import MASSLESS, JointType, Robot
 
 __all__ = ["Reactions", "Torques", "reactions", "torque"]
@@ -80,10 +82,7 @@ class Torques:
     @property
     def binding(self) -> Array:
         """Index of the coordinate with the largest utilisation, -1 where none has a limit. (...)."""
-        used = self.utilisation
-        if not self.columns:
-            return np.full(used.shape[:-1], -1)
-        return np.where(np.all(np.isnan(used), -1), -1, np.argmax(np.nan_to_num(used, nan=-1.0), -1))
+        return most_used(self.utilisation)
 
     @property
     def binding_joint(self) -> str | None:
@@ -146,7 +145,7 @@ def torque(
     loads = (*exerted, *held)
     value, certificate = certified(model, parts, load_scale(robot, q, loads), force_scale(model, down, loads))
     return Torques(
-        tuple(name for joint in robot.independent for name in joint.velocity_names),
+        robot.velocity_names,
         tuple(unit for joint in robot.independent for unit in effort_units(joint)),
         tuple(wrenches),
         on,
@@ -262,10 +261,7 @@ def _screw(robot: Robot, link: str) -> Array:
     joint = robot.parent_joint.get(link)
     if joint is None or joint.type.nv != 1:
         return np.full(6, np.nan)
-    axis = np.array(joint.axis)
-    if joint.type is JointType.PRISMATIC:
-        return np.concatenate([axis, np.zeros(3)])
-    return np.concatenate([joint.pitch / (2 * np.pi) * axis, axis])
+    return screw(np.array(joint.axis), np.zeros(3), np.inf if joint.type is JointType.PRISMATIC else joint.pitch)
 
 
 def _residual(robot: Robot, links: Sequence[str], projections: Array, total: Array) -> float:

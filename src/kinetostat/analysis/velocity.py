@@ -150,7 +150,7 @@ def velocity(
         names,
         observer,
         axes,
-        tuple(name for joint in robot.independent for name in joint.velocity_names),
+        robot.velocity_names,
         units,
         np.array(qdot),
         None if qddot is None else np.array(qddot),

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetostat.analysis.configuration import checked, position_range, random_configurations
+from kinetostat.analysis.configuration import NO_LIMIT, checked, position_range, random_configurations
 from kinetostat.analysis.crosscheck import Certificate
-from kinetostat.analysis.loads import EffortLimits, Payload, carried, checked_gravity, effort_limits
+from kinetostat.analysis.loads import EffortLimits, Payload, carried, checked_gravity
 from kinetostat.analysis.statics import torque
 from kinetostat.conventions import Array, Load
 from kinetostat.engines.model import Model
@@ -24,7 +24,6 @@ _POLISHED = 8  # of the samples, the worst of which are starts, for each joint
 _AGREE = 1e-6  # of the worst torque: starts that end so near agree
 _ITERATIONS = 200
 _ROUNDING = 1e-12  # of the largest torque
-_NO_LIMIT = 1e6  # rad or m
 
 
 @dataclass(frozen=True, repr=False)
@@ -130,7 +129,7 @@ def worst_torques(
         down,
         proof.total[rows, columns],
         at,
-        effort_limits(robot, limits),
+        proof.limits,
         proof.utilisation[rows, columns],
         samples,
         min(_POLISHED, samples),
@@ -151,7 +150,7 @@ def _drawn(robot: Robot, q: Array, joints: Sequence[Joint], samples: int, seed: 
 
 def _about_ranges(joints: Sequence[Joint]) -> list[str]:
     """Return what is to be said of slides without limits, and of joints that their limits lock."""
-    endless = [j.name for j in joints if not j.type.is_angle and max(map(abs, j.limit.range)) > _NO_LIMIT]
+    endless = [j.name for j in joints if not j.type.is_angle and max(map(abs, j.limit.range)) > NO_LIMIT]
     locked = [j.name for j in joints if j.limit.range[0] == j.limit.range[1]]
     lines = []
     if endless:
@@ -217,6 +216,6 @@ _OPTIONS = {"maxiter": _ITERATIONS, "ftol": 1e-13, "gtol": 1e-9}
 def _range(robot: Robot, joint: Joint) -> tuple[float | None, float | None]:
     """Return the ends that a joint is kept between: none where a turn is without limits."""
     lower, upper = joint.limit.range
-    if joint.type.is_angle and max(abs(lower), abs(upper)) > _NO_LIMIT:
+    if joint.type.is_angle and max(abs(lower), abs(upper)) > NO_LIMIT:
         return None, None
     return position_range(robot, joint)

@@ -38,8 +38,7 @@ class ScrewEngine:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self.position_names = tuple(name for joint in robot.independent for name in joint.position_names)
-        self.velocity_names = tuple(name for joint in robot.independent for name in joint.velocity_names)
+        self.position_names, self.velocity_names = robot.position_names, robot.velocity_names
 
     # --- the protocol ------------------------------------------------------------------------------------------
 

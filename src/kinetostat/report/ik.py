@@ -81,7 +81,7 @@ def _left(result: InverseKinematics) -> str:
 
 def _picked(at: Configuration, names: Sequence[str], *, degrees: bool = False) -> Array:
     """Return the positions of some coordinates, angles in rad or degrees."""
-    every = [name for joint in at.robot.independent for name in joint.position_names]
+    every = at.robot.position_names
     return at.positions(degrees=degrees)[[every.index(name) for name in names]]
 
 
@@ -167,7 +167,7 @@ def ik_result(result: InverseKinematics, at: Configuration) -> dict[str, Any]:
 
 def ik_columns(result: InverseKinematics, robot: Robot) -> tuple[list[Column], Certificate, list[str | None]]:
     """Return the columns of a list of solutions (m, nq), the certificate, and why some have none."""
-    every = [name for joint in robot.independent for name in joint.position_names]
+    every = robot.position_names
     columns = [
         Column(name, unit, result.q[:, every.index(name)].tolist())
         for name, unit in zip(result.coordinates, _units(robot, result.coordinates, degrees=False), strict=True)

@@ -10,7 +10,7 @@ import numpy as np
 from kinetostat.conventions import TWIST_ROWS, TWIST_UNITS, Array, Order
 from kinetostat.errors import cut
 from kinetostat.report.json import nested, number
-from kinetostat.report.rows import Column
+from kinetostat.report.rows import Column, use_columns
 from kinetostat.report.view import Cell, Table, View, configuration_note, velocity_label
 
 if TYPE_CHECKING:
@@ -221,9 +221,6 @@ def rates_columns(result: ResolvedRates) -> tuple[list[Column], Certificate]:
         Column(f"left_{TWIST_ROWS[row]}", TWIST_UNITS[row], result.residual[:, row].tolist())
         for row in result.task.rows
     ]
-    binding = result.binding
-    use = np.take_along_axis(result.utilisation, np.maximum(binding, 0)[:, None], -1)[:, 0]
-    columns.append(Column("utilisation", "", use.tolist()))
-    columns.append(Column("binding_joint", "", [result.columns[i] if i >= 0 else None for i in binding]))
+    columns += use_columns(result.columns, result.utilisation, result.binding)
     columns.append(Column("smallest_singular_value", "", result.smallest.tolist()))
     return columns, result.certificate

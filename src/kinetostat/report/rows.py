@@ -8,11 +8,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from kinetostat.conventions import Array
 from kinetostat.report import csv
 from kinetostat.report.json import render
 from kinetostat.report.view import Cell
 
-__all__ = ["Column", "csv_head", "csv_rows", "json_foot", "json_head", "json_rows"]
+__all__ = ["Column", "csv_head", "csv_rows", "json_foot", "json_head", "json_rows", "use_columns"]
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,13 @@ class Column:
     name: str
     unit: str
     cells: Sequence[Cell]
+
+
+def use_columns(names: Sequence[str], shares: Array, binding: Array) -> list[Column]:
+    """Return the columns of the largest share of a limit that is used, (m, n), and of the joint that uses it, (m,)."""
+    use = np.take_along_axis(shares, np.maximum(binding, 0)[:, None], -1)[:, 0]
+    joints = [names[i] if i >= 0 else None for i in binding]
+    return [Column("utilisation", "", use.tolist()), Column("binding_joint", "", joints)]
 
 
 def csv_head(columns: Sequence[Column]) -> str:

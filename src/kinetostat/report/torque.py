@@ -14,7 +14,7 @@ from kinetostat.analysis.loads import SEVERAL_COORDINATES
 from kinetostat.conventions import WRENCH_ROWS, WRENCH_UNITS, Array, Load, Order, Velocity
 from kinetostat.errors import cut
 from kinetostat.report.json import nested, number
-from kinetostat.report.rows import Column
+from kinetostat.report.rows import Column, use_columns
 from kinetostat.report.view import Cell, Table, View, configuration_note
 from kinetostat.urdf.description import Robot
 
@@ -220,10 +220,7 @@ def torque_columns(result: Torques, most: Strongest | None) -> tuple[list[Column
         Column(name, unit, result.total[:, i].tolist())
         for i, (name, unit) in enumerate(zip(result.columns, result.units, strict=True))
     ]
-    binding = result.binding
-    use = np.take_along_axis(result.utilisation, np.maximum(binding, 0)[:, None], -1)[:, 0]
-    columns.append(Column("utilisation", "", use.tolist()))
-    columns.append(Column("binding_joint", "", [result.columns[i] if i >= 0 else None for i in binding]))
+    columns += use_columns(result.columns, result.utilisation, result.binding)
     if most is None:
         return columns, result.certificate
     columns.append(Column(f"max_{most.quantity}", most.unit, most.value.tolist()))
@@ -394,7 +391,7 @@ def worst_view(result: WorstTorques, at: Configuration, *, degrees: bool) -> Vie
         )
         for i, name in enumerate(result.joints)
     )
-    positions = [f"at_{name}" for joint in at.robot.independent for name in joint.position_names]
+    positions = [f"at_{name}" for name in at.robot.position_names]
     title = f"the worst torque of each joint inside limits, under gravity{' and payload' if result.payload else ''}"
     return View(
         title,

@@ -332,6 +332,16 @@ class Robot:
         return resolved
 
     @cached_property
+    def position_names(self) -> tuple[str, ...]:
+        """Names of the nq position coordinates, in file order."""
+        return tuple(name for joint in self.independent for name in joint.position_names)
+
+    @cached_property
+    def velocity_names(self) -> tuple[str, ...]:
+        """Names of the nv velocity coordinates, in file order."""
+        return tuple(name for joint in self.independent for name in joint.velocity_names)
+
+    @cached_property
     def position_slices(self) -> dict[str, slice]:
         """Where each independent joint's positions are in a configuration."""
         return self._slices([joint.type.nq for joint in self.independent])

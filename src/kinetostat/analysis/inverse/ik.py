@@ -167,7 +167,7 @@ def ik(
         iterations.reshape(shape),
         trace,
         certificate,
-        (*_about_freedom(aim), *_about_reach(aim, method, targets, found, converged, tries)),
+        (*_about_freedom(aim), *_about_reach(aim, method, targets, error, converged, tries)),
     )
 
 
@@ -238,14 +238,13 @@ def _about_freedom(aim: Aim) -> tuple[str, ...]:
 
 
 def _about_reach(
-    aim: Aim, method: Method, targets: Array, found: Array, converged: Flags, tries: int
+    aim: Aim, method: Method, targets: Array, error: Array, converged: Flags, tries: int
 ) -> tuple[str, ...]:
     """Return what is to be said of one pose that was not reached; a list has its reasons row by row."""
     if np.all(converged) or len(targets) != 1:
         return ()
-    left = pose_error(aim.joints.chain.columns(found)[1], targets, local=aim.local)[0]
     parts = [
-        f"{np.linalg.norm(left[list(rows)]):.3g} {unit}"
+        f"{np.linalg.norm(error[0, list(rows)]):.3g} {unit}"
         for rows, unit in ((aim.task.linear, "m"), (aim.task.angular, "rad"))
         if rows
     ]

@@ -29,13 +29,18 @@ _NOT_ROBOT_FILES = (
 
 @dataclass(slots=True)
 class Element:
-    """One XML element: its name, attributes, the line where it starts, the element around it, those inside it."""
+    """One XML element: its name, attributes, the line where it starts, the element around it, those inside it.
+
+    `column` (from 0) is where it starts in its line, `last_line` where its end tag is.
+    """
 
     tag: str
     attributes: dict[str, str]
     line: int
     parent: Element | None = field(default=None, repr=False)
     children: list[Element] = field(default_factory=list, repr=False)
+    column: int = 0
+    last_line: int = 0
 
     def all(self, tag: str) -> list[Element]:
         """Return the child elements of that name, in file order."""
@@ -52,11 +57,12 @@ class Element:
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """A parsed file: where it came from, its root element, and what was odd on the level of bytes."""
+    """A parsed file: where it came from, its root element, what was odd on the level of bytes, comments by line."""
 
     file: str
     root: Element
     remarks: tuple[tuple[int, str], ...]
+    comments: tuple[tuple[int, str], ...] = ()
 
 
 def parse(data: bytes, file: str) -> Document:
@@ -83,7 +89,8 @@ def parse(data: bytes, file: str) -> Document:
     skipped = text[: len(text) - len(stripped)].count("\n")
     if skipped and stripped.startswith("<?xml"):
         remarks.append((1, "blank lines before the XML declaration: strict parsers refuse the file"))
-    return Document(file, _build(stripped, file, skipped), tuple(remarks))
+    root, comments = _build(stripped, file, skipped)
+    return Document(file, root, tuple(remarks), comments)
 
 
 def _decode(data: bytes, file: str, remarks: list[tuple[int, str]]) -> str:
@@ -122,11 +129,12 @@ def _decode(data: bytes, file: str, remarks: list[tuple[int, str]]) -> str:
     return text
 
 
-def _build(text: str, file: str, skipped: int) -> Element:
-    """Run expat over the text and return the root element."""
+def _build(text: str, file: str, skipped: int) -> tuple[Element, tuple[tuple[int, str], ...]]:
+    """Run expat over the text and return the root element, and the comments."""
     parser = expat.ParserCreate("UTF-8")
     top = Element("", {}, 0)
     open_elements = [top]
+    comments = list[tuple[int, str]]()
     count = 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:
@@ -139,12 +147,16 @@ def _build(text: str, file: str, skipped: int) -> Element:
                 line=parser.CurrentLineNumber + skipped,
                 remedy="leave out what you do not ask for",
             )
-        element = Element(tag, attributes, parser.CurrentLineNumber + skipped, open_elements[-1])
+        line, column = parser.CurrentLineNumber + skipped, parser.CurrentColumnNumber
+        element = Element(tag, attributes, line, open_elements[-1], column=column)
         open_elements[-1].children.append(element)
         open_elements.append(element)
 
     def end(_tag: str) -> None:
-        open_elements.pop()
+        open_elements.pop().last_line = parser.CurrentLineNumber + skipped
+
+    def comment(text: str) -> None:
+        comments.append((parser.CurrentLineNumber + skipped, text))
 
     def doctype(*_: object) -> None:
         raise XmlError(
@@ -156,6 +168,7 @@ def _build(text: str, file: str, skipped: int) -> Element:
 
     parser.StartElementHandler = start
     parser.EndElementHandler = end
+    parser.CommentHandler = comment
     parser.StartDoctypeDeclHandler = doctype
     try:
         parser.Parse(text.encode(), True)
@@ -165,4 +178,4 @@ def _build(text: str, file: str, skipped: int) -> Element:
         raise XmlError(f"not well-formed XML: {reason}", file=file, line=line, remedy="correct the XML there") from None
     except UnicodeEncodeError:
         raise XmlError("the text has a lone surrogate", file=file, remedy="save the file as UTF-8") from None
-    return top.children[0]
+    return top.children[0], tuple(comments)

@@ -9,11 +9,23 @@ from kinetostat.errors import NumberError, RobotError, StructureError, quote
 from kinetostat.urdf.description import Remark
 from kinetostat.urdf.document import Document, Element
 
-__all__ = ["Reading"]
+__all__ = ["Reading", "as_number", "words"]
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _INFINITY = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
 _BLANKS = " \t\r\n"
+
+
+def words(text: str) -> list[str]:
+    """Return the words between white space. Not str.split: a no-break space is no white space to other readers."""
+    stripped = text.strip(_BLANKS)
+    return re.split(f"[{_BLANKS}]+", stripped) if stripped else []
+
+
+def as_number(word: str) -> float | None:
+    """Return the number that a word is, perhaps infinite; None if it is none."""
+    word = word.strip(_BLANKS)
+    return float(word) if _NUMBER.fullmatch(word) or _INFINITY.fullmatch(word) else None
 
 
 class Reading:
@@ -47,12 +59,11 @@ class Reading:
         remedy = f'write {key}="{" ".join("0" * size)}" with your numbers'
         if key not in element.attributes:
             raise self.error(element, f"no {key}", remedy, NumberError)
-        text = element.attributes[key].strip(_BLANKS)
-        # Not str.split: a no-break space between numbers is no white space to other readers.
-        words = re.split(f"[{_BLANKS}]+", text) if text else []
-        if len(words) != size:
-            raise self.error(element, f"{key}={quote(text)} has {len(words)} numbers, not {size}", remedy, NumberError)
-        return tuple(self._parse(element, key, word, largest) for word in words)
+        found = words(element.attributes[key])
+        if len(found) != size:
+            text = quote(element.attributes[key].strip(_BLANKS))
+            raise self.error(element, f"{key}={text} has {len(found)} numbers, not {size}", remedy, NumberError)
+        return tuple(self._parse(element, key, word, largest) for word in found)
 
     def number(self, element: Element, key: str, largest: float = math.inf, *, infinite: bool = False) -> float:
         """Return the number of an attribute that is there; an infinite one only where that means "none".

@@ -1,0 +1,1 @@
+"""Rules about robot files, and what they find. `registry.RULES` lists them all."""

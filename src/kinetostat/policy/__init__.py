@@ -1,0 +1,1 @@
+"""The policy: kinetostat.toml -> settings and expectations -> what a robot meets and what not."""

@@ -30,6 +30,7 @@ __all__ = [
     "triple",
     "warn",
     "write_answer",
+    "xacro_arguments",
 ]
 
 DISAGREE = 4
@@ -51,18 +52,29 @@ def warn(messages: Iterable[str]) -> None:
         say("warning", message)
 
 
+def xacro_arguments(given: list[str] | None) -> dict[str, str]:
+    """Return the arguments NAME:=VALUE of xacro files by name.
+
+    Raises:
+        UsageError: one is not of that form.
+    """
+    arguments = {}
+    for argument in given or []:
+        name, separator, value = argument.partition(":=")
+        if not separator or not name:
+            from kinetostat.errors import UsageError
+
+            message = f"--xacro-arg {argument!r} is not of the form NAME:=VALUE"
+            raise UsageError(message, remedy="for instance side:=left")
+        arguments[name] = value
+    return arguments
+
+
 def load(robot: RobotOptions, output: OutputOptions) -> Model:
     """Read the robot as the options say."""
     import kinetostat
     from kinetostat.errors import quote
 
-    arguments = {}
-    for argument in robot.xacro_arg or []:
-        name, separator, value = argument.partition(":=")
-        if not separator or not name:
-            message = f"--xacro-arg {argument!r} is not of the form NAME:=VALUE"
-            raise kinetostat.UsageError(message, remedy="for instance side:=left")
-        arguments[name] = value
     for folder in robot.package_dir or []:
         if not os.path.isdir(folder):  # noqa: PTH112 (Path.is_dir raises where the name is too long)
             message = f"--package-dir {quote(str(folder))} is not a folder"
@@ -73,7 +85,7 @@ def load(robot: RobotOptions, output: OutputOptions) -> Model:
         crosscheck=output.crosscheck,
         srdf=robot.srdf,
         package_dirs=robot.package_dir or [],
-        xacro_arguments=arguments,
+        xacro_arguments=xacro_arguments(robot.xacro_arg),
         max_bytes=robot.max_bytes,
     )
     if output.verbose:

@@ -29,6 +29,11 @@ COMMANDS = (
     "rates",
     "ik",
     "error",
+    "check",
+    "rules",
+    "explain",
+    "init",
+    "diff",
     "singular",
 )
 

@@ -16,10 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kinetostat.analysis.accuracy import ErrorPart, ToolError, tool_error
+    from kinetostat.analysis.agreement import Agreement, Disagreement, agreement
     from kinetostat.analysis.approach import SingularApproach, singular_approach
     from kinetostat.analysis.capacity import ForcePolytope, Strongest, force_polytope, strongest
     from kinetostat.analysis.configuration import Configuration, configuration, random_configurations
     from kinetostat.analysis.crosscheck import Certificate
+    from kinetostat.analysis.difference.difference import Difference, difference
     from kinetostat.analysis.euler import EulerSequence
     from kinetostat.analysis.inverse.ik import InverseKinematics, Solutions, ik, ik_all
     from kinetostat.analysis.inverse.pose import Pose, pose
@@ -55,16 +57,23 @@ if TYPE_CHECKING:
         UsageError,
         XmlError,
     )
+    from kinetostat.gate.check import check
+    from kinetostat.gate.result import CheckReport, FileCheck, Verdict
+    from kinetostat.lint.finding import Finding, Severity
+    from kinetostat.policy.outcome import Outcome
+    from kinetostat.policy.settings import Settings, find_settings, read_settings
     from kinetostat.urdf.description import Joint, JointType, Link, Robot
 
 __version__ = "0.1.0"
 
 _HOMES = {
     "analysis.accuracy": ("ErrorPart", "ToolError", "tool_error"),
+    "analysis.agreement": ("Agreement", "Disagreement", "agreement"),
     "analysis.approach": ("SingularApproach", "singular_approach"),
     "analysis.capacity": ("ForcePolytope", "Strongest", "force_polytope", "strongest"),
     "analysis.configuration": ("Configuration", "configuration", "random_configurations"),
     "analysis.crosscheck": ("Certificate",),
+    "analysis.difference.difference": ("Difference", "difference"),
     "analysis.euler": ("EulerSequence",),
     "analysis.inverse.ik": ("InverseKinematics", "Solutions", "ik", "ik_all"),
     "analysis.inverse.pose": ("Pose", "pose"),
@@ -84,16 +93,25 @@ _HOMES = {
     "analysis.worst": ("WorstTorques", "worst_torques"),
     "conventions": ("Load", "Order", "Reference", "Velocity", "WrenchOrTwist"),
     "engines.model": ("Model", "load"),
+    "gate.check": ("check",),
+    "gate.result": ("CheckReport", "FileCheck", "Verdict"),
+    "lint.finding": ("Finding", "Severity"),
+    "policy.outcome": ("Outcome",),
+    "policy.settings": ("Settings", "find_settings", "read_settings"),
     "urdf.description": ("Joint", "JointType", "Link", "Robot"),
 }
 
 __all__ = [
+    "Agreement",
     "AmbiguousNameError",
     "Block",
     "Certificate",
     "Chain",
+    "CheckReport",
     "Configuration",
     "ConfigurationError",
+    "Difference",
+    "Disagreement",
     "DisagreementError",
     "EffortLimits",
     "Ellipsoid",
@@ -101,6 +119,8 @@ __all__ = [
     "ErrorPart",
     "EulerSequence",
     "Family",
+    "FileCheck",
+    "Finding",
     "ForcePolytope",
     "FrameChange",
     "FrameMotions",
@@ -118,6 +138,7 @@ __all__ = [
     "Model",
     "NumberError",
     "Order",
+    "Outcome",
     "Payload",
     "Placement",
     "Pose",
@@ -128,6 +149,8 @@ __all__ = [
     "ResolvedRates",
     "Robot",
     "RobotError",
+    "Settings",
+    "Severity",
     "SingularApproach",
     "SingularAt",
     "SingularFamilies",
@@ -142,11 +165,16 @@ __all__ = [
     "UnknownNameError",
     "UsageError",
     "Velocity",
+    "Verdict",
     "WorstTorques",
     "WrenchOrTwist",
     "XmlError",
     "adjoint",
+    "agreement",
+    "check",
     "configuration",
+    "difference",
+    "find_settings",
     "fk",
     "force_polytope",
     "ik",
@@ -161,6 +189,7 @@ __all__ = [
     "pose",
     "random_configurations",
     "reactions",
+    "read_settings",
     "resolved_rates",
     "singular_approach",
     "singular_at",

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 import yaml
-from lint.examples import linted, marked
 
 from kinetostat.lint.registry import FAMILIES, RULES
 from kinetostat.lint.rule import Example
+from lint.examples import linted, marked
 
 CASES = Path(__file__).parent / "cases"
 KEYS = {"name", "robot", "srdf", "files", "lines", "says"}

@@ -29,7 +29,7 @@ class Finding:
         code, name: the rule's.
         severity: error, warning or info.
         message: one line with the offending values; what it quotes from a file is printable.
-        line: in the file, from 1; 0 if it is about no line.
+        line: in the file, from 1; 0 if it is about no line. `column`, from 0: where the element starts in it.
         element: such as `<joint name='elbow'>`; may be empty.
         hint: what to do.
         attribute: the attribute that it is about, for the caret; may be empty.
@@ -45,6 +45,7 @@ class Finding:
     hint: str
     attribute: str = ""
     file: str = ""
+    column: int = 0
 
     @property
     def place(self) -> tuple[str, int, str, str]:

@@ -13,7 +13,7 @@ from kinetostat.lint.rules.xml import UnreadableRobot, UnusedSuppression
 from kinetostat.lint.subject import Subject
 from kinetostat.lint.suppression import Suppression, suppressions
 
-__all__ = ["Linted", "lint"]
+__all__ = ["Linted", "lint", "there_is_a_model"]
 
 
 @dataclass(frozen=True)
@@ -31,10 +31,15 @@ class Linted:
     skipped: dict[str, str]
 
 
-def lint(subject: Subject, rules: Sequence[Rule]) -> Linted:
+def lint(subject: Subject, rules: Sequence[Rule], agreement: Agreement | None = None) -> Linted:
     """Ask rules of a robot file.
 
     A file that cannot be read has an error in any case, whatever rules are asked.
+
+    Args:
+        subject: the file, as far as it can be read.
+        rules: what is asked.
+        agreement: what the readers say of it, which some rules turn into findings; None if they were not asked.
     """
     there, why = _reach(subject)
     found, skipped = list[Finding](), dict[str, str]()
@@ -51,6 +56,11 @@ def lint(subject: Subject, rules: Sequence[Rule]) -> Linted:
     found += _refusal(subject, found)
     kept, taken = _sifted(subject, sorted(set(found), key=lambda finding: finding.place), rules)
     return Linted(tuple(kept), tuple(taken), skipped)
+
+
+def there_is_a_model(subject: Subject) -> bool:
+    """Return whether the robot can be read by our reader and by Pinocchio: whether the analyses can be asked."""
+    return _reach(subject)[0] is Needs.MODEL
 
 
 def _reach(subject: Subject) -> tuple[Needs, str]:
@@ -75,9 +85,7 @@ def _refusal(subject: Subject, found: Sequence[Finding]) -> list[Finding]:
     return [] if told else [UnreadableRobot().of(refusal)]
 
 
-def _sifted(
-    subject: Subject, found: list[Finding], rules: Sequence[Rule]
-) -> tuple[list[Finding], list[Finding]]:
+def _sifted(subject: Subject, found: list[Finding], rules: Sequence[Rule]) -> tuple[list[Finding], list[Finding]]:
     """Return the findings that count, and those that comments take back."""
     if subject.document is None or not subject.document.comments:
         return found, []

@@ -101,7 +101,10 @@ class Rule(ABC):
         element: str = "",
     ) -> Finding:
         """Return a finding at an element, or at a line (0: no line)."""
-        line, label = (at, element) if isinstance(at, int) else (at.line, element or at.label())
+        if isinstance(at, int):
+            line, column, label = at, 0, element
+        else:
+            line, column, label = at.line, at.column, element or at.label()
         return Finding(
             self.code,
             self.name,
@@ -112,6 +115,7 @@ class Rule(ABC):
             self.hint if hint is None else hint,
             attribute,
             file,
+            column,
         )
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -51,7 +51,7 @@ class Subject:
     refusal: KinetostatError | None = None
     srdf: Document | None = None
     srdf_refusal: KinetostatError | None = None
-    semantics: Semantics = Semantics()
+    semantics: Semantics = field(default_factory=Semantics)
     expanded: bool = False
 
     # --- raw XML -----------------------------------------------------------------------------------------------
@@ -105,7 +105,9 @@ class Subject:
     @cached_property
     def model(self) -> Model:
         """The robot with its engines, for rules that need the robot."""
-        assert self.robot is not None and self.document is not None and self.source is not None
+        assert self.robot is not None
+        assert self.document is not None
+        assert self.source is not None
         loaded = LoadedRobot(self.robot, canonical_text(self.document), self.source, self.packages, self.semantics)
         return Model(loaded, self.robot)
 
@@ -148,7 +150,8 @@ def subject_of(
 
 def _with_semantics(subject: Subject, srdf: Path | None) -> Subject:
     """Return the subject with its SRDF, if it has one."""
-    assert subject.robot is not None and subject.source is not None
+    assert subject.robot is not None
+    assert subject.source is not None
     path = srdf or (find_srdf(subject.source.path, subject.robot.name) if subject.source.path else None)
     if path is None:
         return subject
@@ -167,7 +170,7 @@ def _with_semantics(subject: Subject, srdf: Path | None) -> Subject:
 
 
 def first(element: Element | None, *tags: str) -> Element | None:
-    """Return the first element down a path of tags: first(link, "inertial", "mass"); None if there is none."""
+    """Return the first element down a path of tags, such as link, "inertial", "mass"; None if there is none."""
     for tag in tags:
         found = element.all(tag) if element is not None else []
         element = found[0] if found else None

@@ -21,7 +21,7 @@ _COMMENT = re.compile(r"\s*kinetostat:\s*ignore\s*\[([^\]]*)\]\s*(.*)", re.DOTAL
 
 @dataclass(frozen=True)
 class Suppression:
-    """A comment that takes findings back: its line, the codes or beginnings of codes, the reason, the lines it covers."""
+    """A comment that takes findings back: its line, codes or beginnings of codes, its reason, the lines it covers."""
 
     line: int
     codes: tuple[str, ...]

@@ -1,0 +1,216 @@
+"""`kinetostat check`: the gate for robot models."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kinetostat.errors import UsageError, cut, quote
+from kinetostat_cli.console import opened, progress_bar, say, xacro_arguments
+from kinetostat_cli.options import OutputOptions
+
+if TYPE_CHECKING:
+    from kinetostat.gate.result import CheckReport, FileCheck
+    from kinetostat.policy.settings import Settings
+
+__all__ = ["register"]
+
+
+class Form(StrEnum):
+    """How the report is written."""
+
+    TEXT = "text"
+    JSON = "json"
+    SARIF = "sarif"
+    JUNIT = "junit"
+    GITHUB = "github"
+    MARKDOWN = "markdown"
+
+
+class FailOn(StrEnum):
+    """The mildest finding that fails a file."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    INFO = "info"
+
+
+_Codes = list[str] | None
+
+
+def check(
+    paths: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[PATHS]...",
+            help="Files, folders, globs, 'example:*'. Default: the robots that kinetostat.toml names.",
+        ),
+    ] = None,
+    form: Annotated[Form, typer.Option("--format", "-F", help="How to write the report.")] = Form.TEXT,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write the report to a file.")
+    ] = None,
+    select: Annotated[_Codes, typer.Option(metavar="CODES", help="Ask only these rules: J103, J1, K, ... .")] = None,
+    ignore: Annotated[_Codes, typer.Option(metavar="CODES", help="Leave these rules out.")] = None,
+    fail_on: Annotated[FailOn | None, typer.Option(help="The mildest finding that fails. Default: error.")] = None,
+    samples: Annotated[
+        int | None,
+        typer.Option(min=0, max=10_000, metavar="N", help="Configurations at which readers are compared. Default: 20."),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, metavar="N", help="Of the random ones. Default: 0.")] = None,
+    settings: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Settings and policy. Default: kinetostat.toml here or above."),
+    ] = None,
+    no_settings: Annotated[bool, typer.Option("--no-settings", help="Look for no kinetostat.toml.")] = False,
+    baseline: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Known findings in this file do not count.")
+    ] = None,
+    write_baseline: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write all findings to this file: from now on they are known.")
+    ] = None,
+    changed_since: Annotated[
+        str | None, typer.Option(metavar="REV", help="Check only what differs from this revision of git.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", "-j", min=1, max=256, metavar="N", help="Processes. Default: a core each.")
+    ] = None,
+    timeout: Annotated[
+        float | None, typer.Option(min=0.1, metavar="S", help="Seconds for one robot. Default: 120.")
+    ] = None,
+    srdf: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="SRDF of the robot. Default: the one beside it.")
+    ] = None,
+    package_dir: Annotated[
+        list[Path] | None, typer.Option(metavar="DIR", help="Look for packages here first. May be repeated.")
+    ] = None,
+    xacro_arg: Annotated[
+        list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of xacro files. May be repeated.")
+    ] = None,
+    max_bytes: Annotated[int, typer.Option(min=1, metavar="N", help="Refuse larger files.")] = 64 * 1024 * 1024,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also show infos and what is met.")] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")] = False,  # noqa: ARG001 (main reads it)
+) -> None:
+    """Check robot files: rules, three readers' agreement, a policy.
+
+    Exit code 0 if every file passes, 1 if one does not: a finding, an unmet expectation, a crash.
+
+    Example: kinetostat check example:panda
+    """
+    from kinetostat.gate.pool import warm_up
+
+    warm_up()  # the libraries load in the background meanwhile
+    import kinetostat
+
+    chosen, folder = _settings(settings, wanted=not no_settings)
+    with _progress() as done:
+        report = kinetostat.check(
+            paths or [],
+            settings=chosen,
+            folder=folder,
+            select=_codes(select),
+            ignore=_codes(ignore) or [],
+            fail_on=fail_on.value if fail_on else None,
+            samples=samples,
+            seed=seed,
+            baseline=baseline,
+            changed_since=changed_since,
+            jobs=jobs or _cores(),
+            timeout=timeout,
+            srdf=srdf,
+            package_dirs=package_dir or [],
+            xacro_arguments=xacro_arguments(xacro_arg),
+            max_bytes=max_bytes,
+            done=done,
+        )
+    if write_baseline is not None:
+        _write_baseline(report, write_baseline)
+        return
+    with opened(OutputOptions(output=output)) as write:
+        write(_rendered(report, form, verbose=verbose, colour=output is None))
+    if not report.passed:
+        raise typer.Exit(1)
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(check)
+
+
+def _settings(given: Path | None, *, wanted: bool) -> tuple[Settings | None, Path]:
+    """Return the settings, and the folder that their paths start from."""
+    from kinetostat.policy.settings import find_settings, read_settings
+
+    path = given or (find_settings(Path.cwd()) if wanted else None)
+    if path is None:
+        return None, Path()
+    return read_settings(path), Path(os.path.relpath(path.parent))
+
+
+def _codes(words: list[str] | None) -> list[str] | None:
+    """Return the codes of an option that may be repeated, and each time be a list."""
+    return None if words is None else [code.strip() for word in words for code in word.split(",") if code.strip()]
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[FileCheck, int], None]]:
+    """Yield what shows how many files are done, on a terminal."""
+    finished = 0
+    with progress_bar() as show:
+
+        def done(file: FileCheck, count: int) -> None:
+            nonlocal finished
+            finished += 1
+            if show is not None:
+                show(f"{finished} of {count}: {cut(file.path, 40)}", finished / count)
+
+        yield done
+
+
+def _write_baseline(report: CheckReport, path: Path) -> None:
+    from kinetostat.gate.baseline import baseline_text
+    from kinetostat.report.writing import open_whole
+
+    crashed = [file.path for file in report.files if file.verdict == "crashed"]
+    if crashed:
+        raise UsageError(f"no baseline is written: {quote(crashed[0])} crashed")
+    with open_whole(path) as file:
+        file.write(baseline_text(report.files, path.parent).encode())
+    count = sum(len(file.findings) for file in report.files)
+    say("baseline", f"{count} findings of {len(report.files)} files are known from now on")
+
+
+def _rendered(report: CheckReport, form: Form, *, verbose: bool, colour: bool) -> str:
+    from importlib import import_module
+
+    module = import_module(f"kinetostat.report.check.{form.value}")
+    if form is not Form.TEXT:
+        return str(module.render(report))
+    on_terminal = colour and sys.stdout is not None and sys.stdout.isatty() and "NO_COLOR" not in os.environ
+    return str(module.render(report, verbose=verbose, style=_styled if on_terminal else None))
+
+
+_COLOURS = {
+    "error": typer.colors.RED,
+    "crashed": typer.colors.RED,
+    "fail": typer.colors.RED,
+    "warning": typer.colors.YELLOW,
+    "info": typer.colors.BLUE,
+    "pass": typer.colors.GREEN,
+    "caret": typer.colors.CYAN,
+}
+
+
+def _styled(kind: str, text: str) -> str:
+    return typer.style(text, fg=_COLOURS[kind], bold=True) if kind in _COLOURS else text

@@ -1,0 +1,108 @@
+"""pytest plugin: `pytest --kinetostat` checks the robot files that it collects; the fixture `robot` loads one.
+
+A test asks for a robot by mark, or is run for every robot that is collected:
+
+    @pytest.mark.robot("urdf/arm.urdf")
+    def test_reach(robot):
+        assert robot.robot.reach > 0.8
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from kinetostat import Model
+    from kinetostat.gate.result import CheckReport
+
+__all__ = ["pytest_addoption", "pytest_collect_file", "pytest_configure", "robot"]
+
+_SUFFIXES = (".urdf", ".urdf.xacro")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add --kinetostat."""
+    group = parser.getgroup("kinetostat", "robot models")
+    group.addoption("--kinetostat", action="store_true", help="Check robot files (.urdf, .urdf.xacro) as tests.")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Declare the mark."""
+    config.addinivalue_line("markers", "robot(path): the robot that the fixture `robot` loads for this test")
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Return a collector for a robot file."""
+    if not parent.config.getoption("--kinetostat") or not file_path.name.endswith(_SUFFIXES):
+        return None
+    return RobotFile.from_parent(parent, path=file_path)
+
+
+class RobotFile(pytest.File):
+    """A robot file: one test, which checks it."""
+
+    def collect(self) -> Iterator[pytest.Item]:
+        """Yield its test."""
+        yield RobotItem.from_parent(self, name="check")
+
+
+class CheckFailedError(Exception):
+    """A robot file did not pass; holds the report as text."""
+
+
+class RobotItem(pytest.Item):
+    """The check of one robot file: what `kinetostat check FILE` says, in a process of its own."""
+
+    def runtest(self) -> None:
+        """Check the file.
+
+        Raises:
+            CheckFailedError: it does not pass.
+        """
+        report = _checked(self.path, self.config.rootpath)
+        if not report.passed:
+            from kinetostat.report.check import text
+
+            raise CheckFailedError(text.render(report))
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **kwargs: Any) -> Any:
+        """Return the report instead of a traceback."""
+        if isinstance(excinfo.value, CheckFailedError):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, *args, **kwargs)
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """Return what the summary shows."""
+        return self.path, None, f"kinetostat check {self.path.name}"
+
+
+def _checked(path: Path, root: Path) -> CheckReport:
+    import kinetostat
+    from kinetostat.policy.settings import find_settings, read_settings
+
+    settings = find_settings(path.parent)
+    shown = path.relative_to(root) if path.is_relative_to(root) and Path.cwd() == root else path
+    return kinetostat.check(
+        [shown],
+        settings=read_settings(settings) if settings else None,
+        folder=settings.parent if settings else path.parent,
+        jobs=1,
+    )
+
+
+@pytest.fixture
+def robot(request: pytest.FixtureRequest) -> Model:
+    """The robot that the test's mark names: `@pytest.mark.robot("arm.urdf")`, relative to the test's file."""
+    import kinetostat
+
+    mark = request.node.get_closest_marker("robot")
+    if mark is None or len(mark.args) != 1:
+        pytest.fail('the fixture robot needs @pytest.mark.robot("path/to/file.urdf")', pytrace=False)
+    name = str(mark.args[0])
+    if name.startswith(("example:", "textbook:")):
+        return kinetostat.load(name)
+    return kinetostat.load(request.path.parent / name)

@@ -1,0 +1,136 @@
+"""Checking one robot: rules, readers' agreement, policy."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from kinetostat.analysis.agreement import Agreement
+from kinetostat.errors import KinetostatError
+from kinetostat.gate.result import FileCheck, Verdict
+from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.subject import Subject, subject_of
+from kinetostat.policy.outcome import Outcome
+
+__all__ = ["Task", "check_robot", "judged"]
+
+_LONGEST_LINE = 20_000  # characters of a line that are kept to be shown
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be checked of one robot, as it travels to the process that does it.
+
+    Attributes:
+        name: the robot, as it was asked for.
+        select, ignore: rules, see `lint.registry.chosen`.
+        samples: configurations at which the readers are compared; 0: not at all.
+        seed: of these.
+        expectations: what the policy expects of it.
+        folder: of the policy: paths in it are relative to this.
+        srdf, package_dirs, xacro_arguments, max_bytes: see `engines.model.load`.
+    """
+
+    name: str
+    select: tuple[str, ...] = ()
+    ignore: tuple[str, ...] = ()
+    samples: int = 20
+    seed: int = 0
+    expectations: tuple[Any, ...] = ()
+    folder: Path = Path()
+    srdf: Path | None = None
+    package_dirs: tuple[Path, ...] = ()
+    xacro_arguments: Mapping[str, str] = field(default_factory=dict)
+    max_bytes: int = 64 * 1024 * 1024
+
+
+def check_robot(task: Task) -> FileCheck:
+    """Return what is found out about one robot; its verdict is given by `judged`."""
+    from kinetostat.lint.linting import lint, there_is_a_model
+    from kinetostat.lint.registry import chosen
+
+    start = time.perf_counter()
+    subject = subject_of(
+        task.name,
+        srdf=task.srdf,
+        package_dirs=task.package_dirs,
+        xacro_arguments=task.xacro_arguments,
+        max_bytes=task.max_bytes,
+    )
+    rules = chosen(task.select, task.ignore)
+    agreement, skipped = None, dict[str, str]()
+    if task.samples and there_is_a_model(subject):
+        agreement, skipped = _agreement(subject, task)
+    linted = lint(subject, rules, agreement)
+    return FileCheck(
+        task.name,
+        Verdict.PASS,
+        linted.findings,
+        agreement,
+        _outcomes(subject, task),
+        len(linted.suppressed),
+        0,
+        {**linted.skipped, **skipped},
+        "",
+        subject.expanded,
+        _shown_lines(subject, linted.findings),
+        time.perf_counter() - start,
+    )
+
+
+def judged(file: FileCheck, fail_on: Severity) -> FileCheck:
+    """Return the result with its verdict: a finding as bad as `fail_on`, or an unmet expectation, fails it."""
+    if file.verdict is Verdict.CRASHED:
+        return file
+    bad = any(finding.severity.rank <= fail_on.rank for finding in file.findings)
+    unmet = any(not outcome.met for outcome in file.outcomes)  # not judged is not met
+    return replace(file, verdict=Verdict.FAIL if bad or unmet else Verdict.PASS)
+
+
+def _agreement(subject: Subject, task: Task) -> tuple[Agreement | None, dict[str, str]]:
+    """Return how far the readers agree; or why that cannot be told."""
+    from kinetostat.analysis.agreement import agreement
+
+    try:
+        return agreement(subject.model, samples=task.samples, seed=task.seed), {}
+    except KinetostatError as error:
+        return None, {"crosscheck": error.message}
+
+
+def _outcomes(subject: Subject, task: Task) -> tuple[Outcome, ...]:
+    from kinetostat.lint.linting import there_is_a_model
+    from kinetostat.policy.judging import judge, unjudged
+
+    if not task.expectations:
+        return ()
+    if not there_is_a_model(subject):
+        return unjudged(task.expectations, "the robot cannot be read")
+    return judge(subject.model, task.expectations, folder=task.folder)
+
+
+def _shown_lines(subject: Subject, findings: Sequence[Finding]) -> dict[tuple[str, int], str]:
+    """Return the text of the lines that findings point at."""
+    wanted = {(finding.file, finding.line) for finding in findings if finding.line > 0}
+    texts = dict[str, list[str]]()
+    for file in {file for file, _ in wanted}:
+        data = _bytes_of(subject, file)
+        texts[file] = [line.decode(errors="replace") for line in data.splitlines()]
+    return {
+        (file, line): texts[file][line - 1]
+        for file, line in sorted(wanted)
+        if line <= len(texts[file]) and len(texts[file][line - 1]) <= _LONGEST_LINE
+    }
+
+
+def _bytes_of(subject: Subject, file: str) -> bytes:
+    from kinetostat.urdf.files import read_file
+
+    if not file:
+        return subject.source.data if subject.source is not None else b""
+    try:
+        return read_file(Path(file), file)
+    except KinetostatError:
+        return b""

@@ -1,0 +1,23 @@
+"""What a check may do to its process: answer, raise, die, hang, take all memory. They travel to it by name."""
+
+import os
+import signal
+import time
+
+from kinetostat.gate.result import FileCheck, Verdict
+
+
+def behave(task):
+    """Do what the name of the robot says."""
+    what = task.name
+    if what == "raise":
+        raise RuntimeError("a broken analysis\x1b[31m")
+    if what == "die":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if what == "leave":
+        os._exit(7)
+    if what == "hang":
+        time.sleep(600)
+    if what == "eat":
+        return len(bytearray(1 << 45))
+    return FileCheck(what, Verdict.PASS, seconds=float(os.getpid()))

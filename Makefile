@@ -27,6 +27,7 @@ bench: $(READY)
 	$(BIN)/python benchmarks/singular.py
 	$(BIN)/python benchmarks/torques.py
 	$(BIN)/python benchmarks/inverse.py
+	$(BIN)/python benchmarks/check.py
 
 agreement: $(READY)
 	$(BIN)/python benchmarks/agreement.py

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from corpus.watched import watch
-from kinetostat.urdf.packages import Packages
+from kinetostat.urdf.packages import Packages, Reason, other_case
 
 
 @pytest.fixture(autouse=True)
@@ -228,3 +228,39 @@ def test_nothing_is_opened(package):
 def test_the_home_of_a_file_is_its_package_or_its_folder(package, tmp_path):
     assert robot(package).home() == package
     assert Packages(tmp_path / "r.urdf").home() == tmp_path
+
+
+# --- nearly found ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("asked", "found"),
+    [
+        ("meshes/A.STL", "meshes/a.stl"),
+        ("Meshes/a.stl", "meshes/a.stl"),
+        ("urdf/../MESHES/A B.stl", "meshes/a b.stl"),
+        ("meshes/b.stl", None),
+        ("meshes", None),
+        ("textures/a.stl", None),
+        ("../hand_description/meshes/H.stl", None),
+    ],
+)
+def test_a_file_of_another_case_is_found_in_the_package_only(package, asked, found):
+    assert other_case(package, package / asked) == (package / found if found else None)
+
+
+def test_a_file_of_another_case_is_not_looked_for_beyond_a_link(package, tmp_path):
+    (package / "textures").symlink_to(tmp_path)
+    assert other_case(package, package / "textures" / "SECRET.stl") is None
+
+
+def test_a_file_says_whether_it_is_in_a_package(package, tmp_path):
+    assert robot(package).has_manifest()
+    assert not Packages(tmp_path / "r.urdf").has_manifest()
+    assert not Packages(None).has_manifest()
+
+
+def test_a_reason_is_its_text(package):
+    assert robot(package).resolve("/etc/passwd") is Reason.ABSOLUTE
+    assert f"{Reason.ABSOLUTE}" == "an absolute path"
+    assert robot(package).place("a.stl") == (package, package / "urdf" / "a.stl")

@@ -57,6 +57,10 @@ def check(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write the report to a file.")
     ] = None,
+    also: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FORMAT=FILE", help="Write the same report to a file, too: sarif=check.sarif."),
+    ] = None,
     select: Annotated[_Codes, typer.Option(metavar="CODES", help="Ask only these rules: J103, J1, K, ... .")] = None,
     ignore: Annotated[_Codes, typer.Option(metavar="CODES", help="Leave these rules out.")] = None,
     fail_on: Annotated[FailOn | None, typer.Option(help="The mildest finding that fails. Default: error.")] = None,
@@ -110,6 +114,7 @@ def check(
     import kinetostat
 
     chosen, folder = _settings(settings, wanted=not no_settings)
+    reports = _further(also)
     with _progress() as done:
         report = kinetostat.check(
             paths or [],
@@ -135,6 +140,8 @@ def check(
         return
     with opened(OutputOptions(output=output)) as write:
         write(_rendered(report, form, verbose=verbose, colour=output is None))
+    for further, path in reports:
+        _write(report, further, path)
     if not report.passed:
         raise typer.Exit(1)
 
@@ -191,14 +198,32 @@ def _write_baseline(report: CheckReport, path: Path) -> None:
     say("baseline", f"{count} findings of {len(report.files)} files are known from now on")
 
 
-def _rendered(report: CheckReport, form: Form, *, verbose: bool, colour: bool) -> str:
-    from importlib import import_module
-
-    module = import_module(f"kinetostat.report.check.{form.value}")
+def _rendered(report: CheckReport, form: Form, *, verbose: bool = False, colour: bool = False) -> str:
     if form is not Form.TEXT:
-        return str(module.render(report))
+        from kinetostat.report.check import rendered
+
+        return rendered(report, form.value, base=Path.cwd())
+    from kinetostat.report.check import text
+
     on_terminal = colour and sys.stdout is not None and sys.stdout.isatty() and "NO_COLOR" not in os.environ
-    return str(module.render(report, verbose=verbose, style=_styled if on_terminal else None))
+    return text.render(report, verbose=verbose, style=_styled if on_terminal else None)
+
+
+def _further(given: list[str] | None) -> list[tuple[Form, Path]]:
+    """Return the further reports that are asked for, FORMAT=FILE."""
+    found = []
+    for word in given or []:
+        form, separator, path = word.partition("=")
+        if not separator or not path or form not in list(Form):
+            message = f"--also {quote(word)} is not of the form FORMAT=FILE"
+            raise UsageError(message, remedy=f"formats are {', '.join(Form)}; for instance sarif=check.sarif")
+        found.append((Form(form), Path(path)))
+    return found
+
+
+def _write(report: CheckReport, form: Form, path: Path) -> None:
+    with opened(OutputOptions(output=path)) as write:
+        write(_rendered(report, form))
 
 
 _COLOURS = {

@@ -29,6 +29,7 @@ from kinetostat.conventions import (
     WORLD_LINK,
     Array,
     Load,
+    Reference,
     Velocity,
     WrenchOrTwist,
 )
@@ -38,6 +39,11 @@ __all__ = ["PinocchioEngine"]
 
 _BODY = pin.FrameType.BODY
 _AT_FRAME = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+_REFERENCES = {
+    Reference.ALIGNED: _AT_FRAME,
+    Reference.LOCAL: pin.ReferenceFrame.LOCAL,
+    Reference.WORLD: pin.ReferenceFrame.WORLD,
+}
 
 
 @dataclass
@@ -162,6 +168,17 @@ class PinocchioEngine:
 
         return self._each(placement, q)
 
+    def placements(self, q: Array, frames: Sequence[str]) -> Array:
+        """Return Pinocchio's oMf of each frame."""
+        indices = [self._frame(frame) for frame in frames]
+
+        def placements(full: Array) -> Array:
+            self._place(full)
+            found = [self._data.oMf[i].homogeneous for i in indices]
+            return np.array(found).reshape(-1, 4, 4)
+
+        return self._each(placements, q)
+
     def frame_change(self, q: Array, start: str, end: str, kind: WrenchOrTwist) -> Array:
         """Return Pinocchio's action matrix of T_end_start, or its dual for wrenches."""
         s, e = self._frame(start), self._frame(end)
@@ -185,6 +202,22 @@ class PinocchioEngine:
             return self._turned(*self._relative(velocity), velocity)
 
         return self._each(jacobian, q)
+
+    def jacobians(self, q: Array, frames: Sequence[str], reference: Reference) -> Array:
+        """Return Pinocchio's frame Jacobians in its LOCAL_WORLD_ALIGNED, LOCAL or WORLD, folded onto the leaders."""
+        indices, native = [self._frame(frame) for frame in frames], _REFERENCES[reference]
+        count = self._model.nv
+        if count == 0 or not indices:
+            return np.zeros((*np.shape(q)[:-1], len(indices), 6, self._fold.shape[1]))
+
+        def jacobians(full: Array) -> Array:
+            pin.computeJointJacobians(self._model, self._data, full)
+            pin.updateFramePlacements(self._model, self._data)
+            each = [pin.getFrameJacobian(self._model, self._data, i, native).reshape(6, count) for i in indices]
+            folded: Array = np.array(each).reshape(-1, count) @ self._fold
+            return folded.reshape(len(indices), 6, -1)
+
+        return self._each(jacobians, q)
 
     def jacobian_rate(self, q: Array, qdot: Array, velocity: Velocity) -> Array:
         """Return dJ/dt from Pinocchio's time variation of the same two Jacobians."""
@@ -335,13 +368,16 @@ class PinocchioEngine:
             found.add(frame)
         return found
 
+    @cached_property
+    def _bodies(self) -> dict[str, int]:
+        """The frames of bodies by name: getFrameId looks through all frames each time."""
+        found = {frame.name: i for i, frame in enumerate(self._model.frames) if frame.type == _BODY}
+        return {WORLD_LINK: 0} | found
+
     def _frame(self, name: str) -> int:
-        if name == WORLD_LINK and not self._model.existFrame(name, _BODY):
-            return 0
-        index = int(self._model.getFrameId(name, _BODY))
-        if index >= self._model.nframes:  # Pinocchio does not raise
+        if name not in self._bodies:
             raise EngineError(f"Pinocchio has no link {printable(name)!r}")
-        return index
+        return self._bodies[name]
 
     def _configurations(self, q: Array) -> Array:
         """Return Pinocchio's configurations: its order, followers set, angles of unbounded joints as (cos, sin)."""

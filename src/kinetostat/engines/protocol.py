@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from kinetostat.conventions import Array, Load, Velocity, WrenchOrTwist
+from kinetostat.conventions import Array, Load, Reference, Velocity, WrenchOrTwist
 
 __all__ = ["Engine"]
 
@@ -36,12 +36,24 @@ class Engine(Protocol):
         """Return T_a_f, which maps coordinates in `frame` to coordinates in `relative_to`. (..., nq) -> (..., 4, 4)."""
         ...
 
+    def placements(self, q: Array, frames: Sequence[str]) -> Array:
+        """Return T_root_f of many frames, the tree being walked once. (..., nq) -> (..., k, 4, 4)."""
+        ...
+
     def frame_change(self, q: Array, start: str, end: str, kind: WrenchOrTwist) -> Array:
         """Return the 6x6 that carries twists, or wrenches, from `start` to `end`. (..., nq) -> (..., 6, 6)."""
         ...
 
     def jacobian(self, q: Array, velocity: Velocity) -> Array:
         """Return J with V = J qdot, V being the labelled velocity. (..., nq) -> (..., 6, nv)."""
+        ...
+
+    def jacobians(self, q: Array, frames: Sequence[str], reference: Reference) -> Array:
+        """Return the Jacobians of many frames relative to the root, the tree being walked once.
+
+        Of each frame's origin in the root's axes (aligned) or in its own (local), or of the point of it at the root's
+        origin (world). (..., nq) -> (..., k, 6, nv).
+        """
         ...
 
     def jacobian_rate(self, q: Array, qdot: Array, velocity: Velocity) -> Array:

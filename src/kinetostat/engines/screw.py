@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from kinetostat.conventions import Array, Load, Velocity, WrenchOrTwist
+from kinetostat.conventions import Array, Load, Reference, Velocity, WrenchOrTwist
 from kinetostat.screw import se3, so3
 from kinetostat.screw.adjoint import adjoint, bracket, carry, coadjoint, cross, twist_matrix
 from kinetostat.screw.chain import Chain, screw
@@ -48,6 +48,10 @@ class ScrewEngine:
         placement = se3.inverse(placements[relative_to]) @ placements[frame]
         return np.broadcast_to(placement, (*np.shape(q)[:-1], 4, 4))
 
+    def placements(self, q: Array, frames: Sequence[str]) -> Array:
+        """Return T_0_f, from the root outwards."""
+        return _stacked(self._all_placements(q), frames, np.shape(q)[:-1])
+
     def frame_change(self, q: Array, start: str, end: str, kind: WrenchOrTwist) -> Array:
         """Return Ad(T_end_start) for twists, Ad*(T_end_start) for wrenches."""
         placement = self.placement(q, start, end)
@@ -59,6 +63,26 @@ class ScrewEngine:
         columns = self._relative_columns(placements, velocity, np.shape(q)[:-1])
         at_point = _at_point(columns, self._point(placements, velocity))
         return self._in_axes(at_point, placements, velocity)
+
+    def jacobians(self, q: Array, frames: Sequence[str], reference: Reference) -> Array:
+        """Return for each frame the space screws of the joints above it, carried to its origin and turned."""
+        shape, placed = np.shape(q)[:-1], self._all_placements(q)
+        columns = np.zeros((*shape, len(frames), 6, self._robot.nv))
+        movable = [joint for joint in self._outward if joint.type is not JointType.FIXED]
+        space = {joint.name: carry(placed[joint.child], _screws(joint)) for joint in movable}
+        for i, frame in enumerate(frames):
+            for joint in self._robot.to_root(frame):
+                if joint.type is not JointType.FIXED:
+                    where, factor = self._columns_of(joint)
+                    columns[..., i, :, where] += factor * space[joint.name]
+        if reference is Reference.WORLD:
+            return columns
+        places = _stacked(placed, frames, shape)
+        at_origin = _at_point(columns, places[..., :3, 3])
+        if reference is Reference.ALIGNED:
+            return at_origin
+        to_axes = np.swapaxes(places[..., :3, :3], -1, -2)
+        return np.concatenate([to_axes @ at_origin[..., :3, :], to_axes @ at_origin[..., 3:, :]], -2)
 
     def jacobian_rate(self, q: Array, qdot: Array, velocity: Velocity) -> Array:
         """Return the rate of `jacobian` by the product rule: of the columns, of the point, and of the axes."""
@@ -195,9 +219,22 @@ class ScrewEngine:
                 placements[joint.child] = placements[joint.parent] @ self._motion(joint, q)
         return placements
 
+    def _all_placements(self, q: Array) -> dict[str, Array]:
+        """Return T_0_l of all links, each once."""
+        q = np.asarray(q, dtype=np.float64)
+        placements: dict[str, Array] = {self._robot.root: np.eye(4)}
+        for joint in self._outward:
+            placements[joint.child] = placements[joint.parent] @ self._motion(joint, q)
+        return placements
+
+    @cached_property
+    def _origins(self) -> dict[str, Array]:
+        """A_i of each joint."""
+        return {joint.name: _origin(joint.origin) for joint in self._robot.joints}
+
     def _motion(self, joint: Joint, q: Array) -> Array:
         """Return A_i exp(s_i q_i), the placement of the child link in the parent. (..., nq) -> (..., 4, 4)."""
-        origin = _origin(joint.origin)
+        origin = self._origins[joint.name]
         if joint.type is JointType.FIXED:
             return origin
         if joint.type is JointType.FLOATING:
@@ -345,6 +382,14 @@ def _screws(joint: Joint) -> Array:
     if joint.type is JointType.PRISMATIC:
         return screw(axis, _ORIGIN, np.inf)[:, None]
     return screw(axis, _ORIGIN, joint.pitch)[:, None]
+
+
+def _stacked(placements: dict[str, Array], frames: Sequence[str], shape: tuple[int, ...]) -> Array:
+    """Return the placements of some frames, one beside the other. (*shape, k, 4, 4)."""
+    found = np.empty((*shape, len(frames), 4, 4))
+    for i, frame in enumerate(frames):
+        found[..., i, :, :] = placements[frame]
+    return found
 
 
 def _apply(matrix: Array, vector: Array) -> Array:

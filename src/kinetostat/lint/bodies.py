@@ -3,50 +3,21 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import TypeVar, cast
 
 import numpy as np
 
 from kinetostat.lint.subject import Subject, end_of, first, name_of, number, vector
+from kinetostat.lint.tensors import MOMENTS, NO_MASS, Flaw, flaw_of, matrix, rounding_of
 from kinetostat.screw import so3
 from kinetostat.urdf.document import Element
 
-__all__ = [
-    "MOMENTS",
-    "Bodies",
-    "Body",
-    "Flaw",
-    "LinkInertia",
-    "bodies_of",
-    "deficit",
-    "mass_of",
-    "matrix",
-    "principal_moments",
-]
+__all__ = ["LARGEST", "Bodies", "Body", "LinkInertia", "bodies_of", "mass_of"]
 
-MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-NO_MASS = 1e-15  # kg, kg m2: MuJoCo's mjMINVAL; below it a body counts as massless
 LARGEST = 1e30  # beyond it a number is no mass and no moment, and its square may overflow
-POINT_RADIUS = 1e-6  # m: a radius of gyration below it is a zero with rounding noise
-NOISE = 1e-9  # relative: below it a moment or a deficit is rounding of the arithmetic
-MOST_ROUNDING = 0.1  # a number is not taken for rounded by more than that part of itself
 _T = TypeVar("_T")
-_DIGITS = re.compile(r"[+-]?([0-9]*)\.?([0-9]*)(?:[eE]([+-]?[0-9]+))?")
-
-
-class Flaw(StrEnum):
-    """What no rigid body of some size can have as its tensor; the first that applies."""
-
-    ZERO = "zero"  # a point mass, or rounding noise
-    ALIKE = "alike"  # all six entries are the same number
-    NEGATIVE = "negative"  # a principal moment below zero
-    SINGULAR = "singular"  # a principal moment of zero
-    TRIANGLE = "triangle"  # two principal moments together below the third
-    ROUNDED = "rounded"  # the same, but no more than the digits written explain
 
 
 @dataclass(frozen=True)
@@ -90,6 +61,8 @@ class LinkInertia:
 
     def in_link_frame(self) -> np.ndarray:
         """Return the tensor about the centre of mass, along the axes of the link's frame."""
+        if not any(self.rpy):
+            return matrix(self.entries)
         rotation = so3.from_rpy(np.array(self.rpy))
         return cast("np.ndarray", rotation @ matrix(self.entries) @ rotation.T)
 
@@ -144,63 +117,6 @@ def bodies_of(subject: Subject) -> Bodies:
     return cast("Bodies", kept["bodies"])
 
 
-# --- tensors ------------------------------------------------------------------------------------------------------
-
-
-def matrix(entries: Sequence[float]) -> np.ndarray:
-    """Return the symmetric matrix of ixx, ixy, ixz, iyy, iyz, izz. Shapes (..., 6) -> (..., 3, 3)."""
-    return np.asarray(entries, dtype=float)[..., [[0, 1, 2], [1, 3, 4], [2, 4, 5]]]
-
-
-def principal_moments(entries: Sequence[float]) -> tuple[float, float, float]:
-    """Return the principal moments of ixx, ixy, ixz, iyy, iyz, izz, ascending."""
-    low, middle, high = np.linalg.eigvalsh(matrix(entries))
-    return float(low), float(middle), float(high)
-
-
-def deficit(principal: Sequence[float]) -> float:
-    """Return by how much the two smaller principal moments together are below the third; negative if they are not."""
-    low, middle, high = principal
-    return high - low - middle
-
-
-def _flaw(mass: float, entries: Sequence[float], principal: Sequence[float], rounding: float) -> Flaw | None:
-    """Return what is wrong with a tensor, whose entries may have been rounded by so much."""
-    size = max(map(abs, principal))
-    if mass <= NO_MASS:
-        return None
-    if size <= max(POINT_RADIUS**2 * mass, NO_MASS):
-        return Flaw.ZERO
-    if len(set(entries)) == 1:
-        return Flaw.ALIKE
-    if principal[0] < -max(NOISE * size, rounding):
-        return Flaw.NEGATIVE
-    if principal[0] <= NOISE * size:
-        return Flaw.SINGULAR
-    short = deficit(principal)
-    if short <= NOISE * size:
-        return None
-    return Flaw.ROUNDED if short <= 3 * rounding else Flaw.TRIANGLE
-
-
-def _rounding(words: Sequence[str]) -> float:
-    """Return how much the principal moments of six written entries may be off because these were rounded.
-
-    By Weyl's inequality no eigenvalue moves by more than the Frobenius norm of the change.
-    """
-    xx, xy, xz, yy, yz, zz = (_half_a_digit(word) ** 2 for word in words)
-    return math.sqrt(xx + yy + zz + 2 * (xy + xz + yz))
-
-
-def _half_a_digit(word: str) -> float:
-    """Return half a unit in the last digit of a number as written; less if it has one digit only."""
-    found = _DIGITS.fullmatch(word.strip())
-    if found is None:
-        return 0.0
-    power = int(found[3] or 0) - len(found[2])
-    return min(0.5 * 10.0 ** max(min(power, 300), -300), MOST_ROUNDING * abs(float(word)))
-
-
 # --- reading ------------------------------------------------------------------------------------------------------
 
 
@@ -245,7 +161,7 @@ def _heads(subject: Subject, carriers: Mapping[str, Element]) -> dict[str, str]:
         parent = end_of(joint, "parent") if joint is not None and fixed else ""
         return parent if parent in subject.link_elements else None
 
-    return _folded(subject.link_elements, above, lambda link: link, lambda top, _: top)
+    return _folded(_names(subject), above, lambda link: link, lambda top, _: top)
 
 
 def _reach(subject: Subject, carriers: Mapping[str, Element]) -> float:
@@ -260,11 +176,16 @@ def _reach(subject: Subject, carriers: Mapping[str, Element]) -> float:
         xyz = vector(first(carriers[link], "origin"), "xyz", 3)
         return way + (math.hypot(*xyz) if xyz is not None else 0.0)
 
-    return max(_folded(subject.link_elements, above, lambda _: 0.0, longer).values(), default=0.0)
+    return max(_folded(_names(subject), above, lambda _: 0.0, longer).values(), default=0.0)
+
+
+def _names(subject: Subject) -> dict[str, None]:
+    """Return the names of the links, in file order."""
+    return dict.fromkeys(name_of(link) for link in subject.links if "name" in link.attributes)
 
 
 def _folded(
-    links: Mapping[str, Element],
+    links: Iterable[str],
     above: Callable[[str], str | None],
     start: Callable[[str], _T],
     step: Callable[[_T, str], _T],
@@ -287,18 +208,18 @@ def _folded(
 
 
 def _inertias(subject: Subject) -> dict[str, LinkInertia]:
-    written = [found for link in subject.link_elements.values() if (found := _written(link)) is not None]
+    written = [found for name in _names(subject) if (found := _written(subject.link_elements[name])) is not None]
     if not written:
         return {}
     moments = np.linalg.eigvalsh(matrix([each.entries for each in written])).tolist()
-    found = {}
+    inertias = dict[str, LinkInertia]()
     for each, principal in zip(written, moments, strict=True):
-        rounding = _rounding([each.element.attributes[key] for key in MOMENTS])
-        flaw = _flaw(each.mass, each.entries, principal, rounding)
-        found[name_of(each.link)] = LinkInertia(
+        rounding = rounding_of([each.element.attributes[key] for key in MOMENTS])
+        flaw = flaw_of(each.mass, each.entries, principal, rounding)
+        inertias[name_of(each.link)] = LinkInertia(
             each.link, each.element, each.mass, each.centre, each.rpy, each.entries, tuple(principal), flaw
         )
-    return found
+    return inertias
 
 
 def _written(link: Element) -> _Written | None:

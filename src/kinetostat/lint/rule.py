@@ -71,6 +71,7 @@ class Rule(ABC):
         hint: what to do, unless a finding says otherwise.
         needs: what has to be there for it to be asked.
         bad, good: an example on which it fires, and one on which it does not.
+        by_gate: whether only the gate can ask it, of more than a file: then its examples show nothing.
     """
 
     code: ClassVar[str]
@@ -80,6 +81,7 @@ class Rule(ABC):
     needs: ClassVar[Needs] = Needs.DOCUMENT
     bad: ClassVar[Example]
     good: ClassVar[Example]
+    by_gate: ClassVar[bool] = False
 
     @abstractmethod
     def check(self, subject: Subject) -> Iterator[Finding]:

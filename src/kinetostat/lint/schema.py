@@ -3,20 +3,25 @@
 Sources: the parser that defines the format (ros/urdfdom, `urdf_parser/src`), its schema proposal (`urdf.xsd`), and the
 documents of the tools whose extensions are known here: Gazebo, ros_control and ros2_control, Drake, MuJoCo, PyBullet,
 Isaac, Tesseract. Extensions are known by name and not looked into.
+
+What an inertial, a limit, a safety controller or the dynamics of a joint must have is judged with the bodies and the
+joints; here is only what they may have.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
+from kinetostat.lint.subject import Subject
 from kinetostat.urdf.document import Element
-from kinetostat.urdf.reader import MAX_ANGLE, MAX_INERTIA, MAX_LENGTH, MAX_MASS, MAX_MULTIPLIER
+from kinetostat.urdf.reader import MAX_ANGLE, MAX_LENGTH, MAX_MULTIPLIER
 
-__all__ = ["MOMENTS", "ROBOT", "Number", "Part", "elsewhere", "judged"]
+__all__ = ["ROBOT", "Number", "Part", "elsewhere", "parts"]
 
 
 @dataclass(frozen=True)
@@ -52,7 +57,6 @@ class Part:
         choice: one of these must be there.
         attributes: what may be given, beside the numbers and what is needed.
         needed: the attributes that must be there.
-        either: one of these attributes must be there.
         numbers: the attributes that are numbers.
         extensions: children that other tools read.
         extras: attributes that other tools read.
@@ -65,24 +69,21 @@ class Part:
     choice: tuple[str, ...] = ()
     attributes: tuple[str, ...] = ()
     needed: tuple[str, ...] = ()
-    either: tuple[str, ...] = ()
     numbers: Mapping[str, Number] = field(default_factory=lambda: _NONE)
     extensions: frozenset[str] = frozenset()
     extras: frozenset[str] = frozenset()
     cosmetic: bool = False
 
-    @property
+    @cached_property
     def known_attributes(self) -> frozenset[str]:
         """All attributes that may be given."""
         return self.extras.union(self.attributes, self.needed, self.numbers)
 
-    @property
+    @cached_property
     def known_children(self) -> frozenset[str]:
         """All elements that may stand in it."""
         return self.extensions.union(self.children)
 
-
-MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 _LENGTH = Number(largest=MAX_LENGTH)
 _LENGTHS = Number(3, MAX_LENGTH)
@@ -95,8 +96,8 @@ _ORIGIN = Part(numbers={"xyz": _LENGTHS, "rpy": Number(3, MAX_ANGLE), "quat_xyzw
 _INERTIAL = Part(
     {
         "origin": _ORIGIN,
-        "mass": Part(needed=("value",), numbers={"value": Number(largest=MAX_MASS)}),
-        "inertia": Part(needed=MOMENTS, numbers=dict.fromkeys(MOMENTS, Number(largest=MAX_INERTIA))),
+        "mass": Part(numbers={"value": Number()}),
+        "inertia": Part(numbers=dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), Number())),
     }
 )
 _ROUND = Part(needed=("radius", "length"), numbers={"radius": _LENGTH, "length": _LENGTH})
@@ -111,7 +112,7 @@ _SHAPES = {
 _MORE_SHAPES = _tags("cdf cone convex_mesh ellipsoid heightmap img octomap octree plane sdf_mesh")
 _GEOMETRY = Part(_SHAPES, tuple(_SHAPES), choice=tuple(_SHAPES), extensions=_MORE_SHAPES)
 _COLOR = Part(needed=("rgba",), numbers={"rgba": Number(4)}, cosmetic=True)
-_TEXTURE = Part(needed=("filename",), cosmetic=True)
+_TEXTURE = Part(attributes=("filename",), cosmetic=True)  # exporters write an empty one beside a colour
 _MATERIAL = Part(
     {"color": _COLOR, "texture": _TEXTURE},
     needed=("name",),
@@ -132,7 +133,6 @@ _VISUAL = Part(
     required=("geometry",),
     attributes=("name",),
     extras=frozenset({"group"}),
-    cosmetic=True,
 )
 _COLLISION = Part(
     {"origin": _ORIGIN, "geometry": _GEOMETRY},
@@ -169,13 +169,11 @@ _JOINT = Part(
             }
         ),
         "mimic": Part(
-            attributes=("joint",),
             needed=("joint",),
             numbers={"multiplier": Number(largest=MAX_MULTIPLIER), "offset": _LENGTH},
         ),
         "dynamics": Part(
             numbers=dict.fromkeys(("damping", "friction"), Number()),
-            either=("damping", "friction"),
             extras=frozenset({"armature", "spring_reference", "spring_stiffness"}),
         ),
         "calibration": Part(numbers=dict.fromkeys(("rising", "falling", "reference_position"), Number())),
@@ -244,11 +242,24 @@ def elsewhere(tag: str) -> str:
     return next((where for where, tags in _FOREIGN.items() if tag in tags), "")
 
 
-def judged(root: Element) -> Iterator[tuple[Element, Part]]:
-    """Yield the elements that are URDF's own, in file order, each with what may stand in it."""
-    stack = [(root, ROBOT)]
+def parts(subject: Subject) -> Sequence[tuple[Element, Part]]:
+    """Return the elements that are URDF's own, in file order, each with what may stand in it; none of another format.
+
+    They are found once for each subject, as a cached property of it would be.
+    """
+    kept = vars(subject)
+    if "parts" not in kept:
+        kept["parts"] = _parts(subject.root)
+    found: Sequence[tuple[Element, Part]] = kept["parts"]
+    return found
+
+
+def _parts(root: Element) -> Sequence[tuple[Element, Part]]:
+    found, stack = list[tuple[Element, Part]](), [(root, ROBOT)] if root.tag == "robot" else []
     while stack:
         element, part = stack.pop()
-        yield element, part
+        found.append((element, part))
         known = part.children
-        stack.extend((child, known[child.tag]) for child in reversed(element.children) if child.tag in known)
+        if known and element.children:
+            stack.extend((child, known[child.tag]) for child in reversed(element.children) if child.tag in known)
+    return found

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
-from kinetostat.lint.subject import first, number, vector
+from kinetostat.lint.subject import Subject, first, name_of, number, vector
 from kinetostat.screw import so3
 from kinetostat.urdf.document import Element
 
-__all__ = ["Extent", "extent_of"]
+__all__ = ["Extent", "extent_of", "extents_of"]
+
+LARGEST = 1e9  # m: beyond it a size is no size
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,14 @@ class Extent:
         return math.hypot(*beyond)
 
 
+def extents_of(subject: Subject) -> Mapping[str, Extent]:
+    """Return the extents of the links that have one, in file order; they are kept with the subject."""
+    kept = vars(subject)
+    if "extents" not in kept:
+        kept["extents"] = {name_of(link): extent for link in subject.links if (extent := extent_of(link)) is not None}
+    return cast("Mapping[str, Extent]", kept["extents"])
+
+
 def extent_of(link: Element) -> Extent | None:
     """Return the extent of a link; None if it has no shape, or one that is no primitive or cannot be read."""
     boxes, volumes = [], {"visual": 0.0, "collision": 0.0}
@@ -64,46 +76,51 @@ def extent_of(link: Element) -> Extent | None:
 def _box(shape: Element) -> tuple[np.ndarray, np.ndarray, float] | None:
     """Return the corners of the box around a visual or collision in the link's frame, and the shape's volume."""
     geometry, origin = first(shape, "geometry"), first(shape, "origin")
-    half = _half_sides(geometry.children[0]) if geometry is not None and len(geometry.children) == 1 else None
-    if half is None or (origin is not None and "quat_xyzw" in origin.attributes):
+    solid = _solid(geometry.children[0]) if geometry is not None and len(geometry.children) == 1 else None
+    if solid is None or (origin is not None and "quat_xyzw" in origin.attributes):
         return None
     placed = [(0.0,) * 3, (0.0,) * 3]
     for i, key in enumerate(("xyz", "rpy")):
         if origin is not None and key in origin.attributes:
             read = vector(origin, key, 3)
-            if read is None or max(map(abs, read)) > 1e9:
+            if read is None or max(map(abs, read)) > LARGEST:
                 return None
             placed[i] = (read[0], read[1], read[2])
-    rotation = so3.from_rpy(np.array(placed[1]))
-    reach = _reach(half, rotation)
-    return np.array(placed[0]) - reach, np.array(placed[0]) + reach, half[4]
+    rotation = so3.from_rpy(np.array(placed[1])) if any(placed[1]) else np.eye(3)
+    reach = solid.reach(rotation)
+    return np.array(placed[0]) - reach, np.array(placed[0]) + reach, solid.volume
 
 
-def _reach(half: tuple[float, float, float, float, float], rotation: np.ndarray) -> np.ndarray:
-    """Return how far a shape reaches along the link's axes: a box, and something of a radius about its z."""
-    x, y, z, radius, _ = half
-    third = rotation[:, 2]
-    return np.asarray(np.abs(rotation) @ np.array([x, y, z]) + radius * np.sqrt(np.maximum(1 - third**2, 0.0)))
+@dataclass(frozen=True)
+class _Solid:
+    """A box of half sides `core`, rounded by a disc about its z and by a ball; the volume of it all."""
+
+    core: tuple[float, float, float]
+    disc: float
+    ball: float
+    volume: float
+
+    def reach(self, rotation: np.ndarray) -> np.ndarray:
+        """Return how far it reaches from its middle along each axis of the frame that it is turned in."""
+        across = np.sqrt(np.maximum(1 - rotation[:, 2] ** 2, 0.0))
+        return np.asarray(np.abs(rotation) @ np.array(self.core) + self.disc * across + self.ball)
 
 
-def _half_sides(shape: Element) -> tuple[float, float, float, float, float] | None:
-    """Return half the sides of a shape's straight part, the radius about z beside it, and its volume."""
+def _solid(shape: Element) -> _Solid | None:
+    """Return a primitive; None if it is none, or has no size that can be."""
     if shape.tag == "box":
         size = vector(shape, "size", 3)
-        if size is None or not all(0 < side < 1e9 for side in size):
+        if size is None or not all(0 < side < LARGEST for side in size):
             return None
         x, y, z = size
-        return x / 2, y / 2, z / 2, 0.0, x * y * z
+        return _Solid((x / 2, y / 2, z / 2), 0.0, 0.0, x * y * z)
     radius, length = number(shape, "radius"), number(shape, "length")
-    if radius is None or not 0 < radius < 1e9:
+    if radius is None or not 0 < radius < LARGEST:
         return None
     ball = 4 / 3 * math.pi * radius**3
     if shape.tag == "sphere":
-        # A ball reaches its radius along every axis: as a box of no turn it would be too large when turned.
-        return 0.0, 0.0, 0.0, radius, ball
-    if shape.tag not in ("cylinder", "capsule") or length is None or not 0 < length < 1e9:
+        return _Solid((0.0, 0.0, 0.0), 0.0, radius, ball)
+    if shape.tag not in ("cylinder", "capsule") or length is None or not 0 < length < LARGEST:
         return None
-    volume = math.pi * radius**2 * length
-    if shape.tag == "capsule":
-        return 0.0, 0.0, length / 2 + radius, radius, volume + ball
-    return 0.0, 0.0, length / 2, radius, volume
+    core, rod = (0.0, 0.0, length / 2), math.pi * radius**2 * length
+    return _Solid(core, radius, 0.0, rod) if shape.tag == "cylinder" else _Solid(core, 0.0, radius, rod + ball)

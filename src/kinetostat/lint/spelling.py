@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = ["meant"]
+__all__ = ["Speller", "meant"]
 
 LONGEST = 40  # a longer word is nobody's slip
 _NEAR = 0.82
@@ -18,6 +18,8 @@ _ALIASES = {
     "euler": "rpy",
     "file": "filename",
     "height": "length",
+    "high": "upper",
+    "low": "lower",
     "max": "upper",
     "max_effort": "effort",
     "max_velocity": "velocity",
@@ -60,3 +62,20 @@ def meant(word: str, known: Iterable[str]) -> str:
 
 def _plain(word: str) -> str:
     return word.lower().replace("_", "").replace("-", "")
+
+
+class Speller:
+    """`meant`, which takes its time, asked at most so many times in a file."""
+
+    limit = 200
+
+    def __init__(self) -> None:
+        self.known = dict[tuple[str, frozenset[str]], str]()
+
+    def meant(self, word: str, known: frozenset[str]) -> str:
+        """Return the one known word that a misspelt one was meant to be; empty if there is none near."""
+        if (word, known) not in self.known:
+            if len(self.known) >= self.limit:
+                return ""
+            self.known[word, known] = meant(word, known)
+        return self.known[word, known]

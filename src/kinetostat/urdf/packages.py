@@ -9,12 +9,26 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 
-__all__ = ["Packages"]
+__all__ = ["Packages", "Reason", "other_case"]
 
 _MANY = 64  # ancestors to walk up, at most
 _SYSTEM_DEPTH = 3  # /home/someone has three parts: so high up, a folder is a package only if it says so
+
+
+class Reason(StrEnum):
+    """Why the name of a mesh leads nowhere; the text is for a reader."""
+
+    NUL = "the name holds a NUL character"
+    PACKAGE = "the package is not found"
+    SCHEME = "only package:// and relative names are followed"
+    ABSOLUTE = "an absolute path"
+    NO_FOLDER = "standard input has no folder to look in"
+    OUTSIDE = "the path leads out of the package"
+    MISSING = "there is no such file"
+    UNFOLLOWED = "the path cannot be followed"
 
 
 @dataclass(frozen=True)
@@ -56,33 +70,41 @@ class Packages:
             if _is_folder(folder / package):
                 yield folder / package
 
-    def resolve(self, uri: str) -> Path | str:
+    def resolve(self, uri: str) -> Path | Reason:
         """Return the path that a mesh name leads to, or the reason why it leads nowhere."""
+        place = self.place(uri)
+        if isinstance(place, Reason):
+            return place
+        root, path = place
+        try:
+            real, inside = path.resolve(), root.resolve()
+            if not real.is_relative_to(inside):
+                return Reason.OUTSIDE
+            return real if real.is_file() else Reason.MISSING
+        except (OSError, RuntimeError, ValueError):  # a loop of links, a name too long, a NUL character
+            return Reason.UNFOLLOWED
+
+    def place(self, uri: str) -> tuple[Path, Path] | Reason:
+        """Return the folder that a mesh name may not leave, and the path it says; or why it says none."""
         if "\0" in uri:
-            return "the name holds a NUL character"
+            return Reason.NUL
         if uri.startswith("package://"):
             package, _, rest = uri.removeprefix("package://").partition("/")
             root = self.find(package)
             if root is None:
-                return "the package is not found"
+                return Reason.PACKAGE
         elif "://" in uri:
-            return "only package:// and relative names are followed"
+            return Reason.SCHEME
         elif uri.startswith(("/", "~")) or "\\" in uri[:3] or uri[1:3] in (":\\", ":/"):
-            return "an absolute path"
+            return Reason.ABSOLUTE
         elif self.file is None:
-            return "standard input has no folder to look in"
+            return Reason.NO_FOLDER
         else:
-            root, rest = self.home(), str(self.file.parent.resolve().relative_to(self.home()) / uri)
+            root = self.home()
+            rest = str(self.file.parent.resolve().relative_to(root) / uri)
         from urllib.parse import unquote
 
-        try:
-            path = root / unquote(rest).lstrip("/")
-            real, inside = path.resolve(), root.resolve()
-            if not real.is_relative_to(inside):
-                return "the path leads out of the package"
-            return real if real.is_file() else "there is no such file"
-        except (OSError, RuntimeError, ValueError):  # a loop of links, a name too long, a NUL character
-            return "the path cannot be followed"
+        return root, root / unquote(rest).lstrip("/")
 
     def home(self) -> Path:
         """Return the package that the file is in (the nearest ancestor with package.xml), or its folder."""
@@ -93,8 +115,29 @@ class Packages:
                 return ancestor
         return folder
 
+    def has_manifest(self) -> bool:
+        """Return whether a package.xml says which package the file is in."""
+        return self.file is not None and _is_package(self.home())
+
     def _ancestors(self) -> list[Path]:
         return [] if self.file is None else list(self.file.resolve().parents[:_MANY])
+
+
+def other_case(root: Path, path: Path) -> Path | None:
+    """Return the file below a folder that differs from a missing one by upper and lower case only; None if none does.
+
+    Only folders below `root` are listed, and no link out of it is followed.
+    """
+    try:
+        folder = root.resolve()
+        for part in Path(os.path.normpath(path)).relative_to(root).parts:
+            names = [part] if (folder / part).exists() else [entry.name for entry in folder.iterdir()]
+            folder = (folder / next(name for name in names if name.lower() == part.lower())).resolve()
+            if not folder.is_relative_to(root.resolve()):
+                return None
+    except (OSError, RuntimeError, ValueError, StopIteration):  # no such folder, a loop of links, out of the root
+        return None
+    return folder if folder.is_file() else None
 
 
 def _is_folder(path: Path) -> bool:

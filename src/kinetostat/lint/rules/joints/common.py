@@ -1,4 +1,4 @@
-"""What the rules about joints share: which joints have a range or an axis, and findings that many joints have in common."""
+"""What the rules about joints share: which joints have a range or an axis, and findings that many have in common."""
 
 from __future__ import annotations
 

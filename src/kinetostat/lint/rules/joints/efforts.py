@@ -27,8 +27,8 @@ _GOOD = Example("""
 class MissingEffort(Rule):
     """A limit has no effort or no velocity.
 
-    urdfdom refuses the whole file then, whatever the type of the joint, even if it is fixed; with it ROS, Gazebo, MoveIt
-    and Pinocchio do. Other readers take what is absent as unlimited, or as 0.
+    urdfdom, and with it ROS, MoveIt and Pinocchio, refuses the whole file then, whatever the type of the joint, even if
+    it is fixed. Other readers take what is absent as unlimited, or as 0.
     """
 
     code = "J106"
@@ -60,8 +60,8 @@ class ZeroEffort(Rule):
     """The effort or the velocity limit is 0.
 
     Exporters write 0 where nobody has filled in a number. Drake takes effort 0 as "without a motor", MoveIt velocity 0
-    as "unlimited", Gazebo and controllers hold the joint still: say what is meant. Right for a joint that has no motor;
-    a warning only where no joint of the robot has anything else.
+    as "unlimited", and what clamps to the limit holds the joint still. Right for a joint without a motor, so it is a
+    warning only where all joints of the robot have it. Followers and joints that cannot move are not asked.
     """
 
     code = "J107"

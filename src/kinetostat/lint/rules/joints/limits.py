@@ -24,8 +24,8 @@ _GOOD = Example("""
 class MissingLimit(Rule):
     """A revolute or prismatic joint has no limit.
 
-    URDF requires one: urdfdom, and with it ROS, Gazebo, Pinocchio and MoveIt, refuse the whole file; MuJoCo and PyBullet
-    let the joint turn for ever. A joint without stops is of type continuous, and only that needs no limit.
+    URDF requires one: urdfdom, and with it ROS, MoveIt and Pinocchio, refuses the whole file. Of the joints that turn
+    or slide, only a continuous one needs no limit.
     """
 
     code = "J101"
@@ -51,8 +51,9 @@ class MissingLimit(Rule):
 class MissingBound(Rule):
     """A limit does not say where the range begins or ends.
 
-    What is absent counts as 0, not as unlimited. A limit with neither lower nor upper lets the joint not move at all in
-    Pinocchio, MoveIt and Gazebo, while MuJoCo and PyBullet then ignore the range: the same file is two robots.
+    What is absent counts as 0, not as unlimited: a limit with neither lower nor upper locks the joint. So urdfdom reads
+    it, and with it ROS, MoveIt and Pinocchio; other readers, as that of PyBullet, let the joint turn freely: the same
+    file is two robots.
     """
 
     code = "J102"
@@ -117,8 +118,8 @@ class SwappedLimits(Rule):
 class EqualLimits(Rule):
     """The lower limit equals the upper one: the joint cannot move.
 
-    Exporters write 0 and 0 where nobody has filled in a range. MuJoCo and Drake then lock or free the joint, planners
-    have nothing to sample. A joint that is meant not to move is of type fixed.
+    Exporters write 0 and 0 where nobody has filled in a range. Tools that enforce limits lock such a joint, others take
+    an empty range for none, and planners have nothing to sample. A joint that is meant not to move is of type fixed.
     """
 
     code = "J104"

@@ -61,7 +61,9 @@ class InfiniteLimit(Rule):
                 message = f"lower and upper are both {infinite['lower']:g}: no position is allowed"
                 yield self.finding(joint, message, severity=Severity.ERROR)
             else:
-                message = ", ".join(f"{key} {value:g}" for key, value in infinite.items()) + ": many tools refuse the file"
+                message = (
+                    ", ".join(f"{key} {value:g}" for key, value in infinite.items()) + ": many tools refuse the file"
+                )
                 found.append(Found(joint, limit, message, next(iter(infinite))))
         yield from gathered(self, found)
 
@@ -80,8 +82,8 @@ def _infinite(limit: Element | None) -> dict[str, float]:
 class LimitsInDegrees(Rule):
     """The limits of a revolute joint look like degrees.
 
-    URDF knows radians only. A joint limited to -180 and 180 may make 57 turns in either tool, so that planners, limits
-    and workspaces mean nothing, though everything loads.
+    URDF knows radians only. A joint with limits -180 and 180 may make 57 turns. Everything loads, but planners, inverse
+    kinematics and workspaces mean nothing.
     """
 
     code = "J110"
@@ -213,20 +215,18 @@ class LongSlide(Rule):
         for joint in subject.joints:
             limit, limits = first(joint, "limit"), span(joint)
             if kind(joint) == "prismatic" and limit is not None and limits and limits[1] - limits[0] > _LONG:
-                message = f"a slide of {limits[1] - limits[0]:g} m, from {limits[0]:g} to {limits[1]:g}"
-                long.append(Found(joint, limit, message, _larger(*limits)))
+                length = limits[1] - limits[0]
+                message = f"a slide of {length:g} m, from {limits[0]:g} to {limits[1]:g}"
+                long.append((Found(joint, limit, message, _larger(*limits)), length))
         if not long:
             return
         size, base = _size(subject), _carried_by_nothing(subject)
-        doubtful = [f for f in long if _length(f) > _LONGER * size and end_of(f.joint, "parent") not in base]
+        doubtful, large = list[Found](), list[Found]()
+        for found, length in long:
+            out_of_proportion = length > _LONGER * size and end_of(found.joint, "parent") not in base
+            (doubtful if out_of_proportion else large).append(found)
         yield from gathered(self, doubtful)
-        others = [f for f in long if f not in doubtful]
-        yield from gathered(self, others, severity=Severity.INFO, hint="right if the robot is that large")
-
-
-def _length(found: Found) -> float:
-    limits = span(found.joint)
-    return limits[1] - limits[0] if limits else 0.0
+        yield from gathered(self, large, severity=Severity.INFO, hint="right if the robot is that large")
 
 
 def _size(subject: Subject) -> float:

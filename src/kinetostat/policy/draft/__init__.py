@@ -1,0 +1,1 @@
+"""A first policy for a robot: what is true of it now, with some margin."""

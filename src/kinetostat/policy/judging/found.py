@@ -1,0 +1,131 @@
+"""What judges have in common: what they return, which frames and configurations are meant, and who is a witness."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kinetostat.analysis.configuration import checked, configuration, neutral
+from kinetostat.analysis.crosscheck import Certificate
+from kinetostat.conventions import Array
+from kinetostat.engines.model import Model
+from kinetostat.errors import DisagreementError, UsageError, cut, quote
+from kinetostat.policy.kinds.common import OfFrame
+from kinetostat.urdf.description import Joint, Robot
+
+__all__ = ["SLACK", "Configurations", "Found", "above", "agreed", "below", "configurations", "ends", "witness"]
+
+SLACK = 1e-9  # of a bound: a number that is its own bound is not beyond it by rounding
+_OF_STATES = "states"
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a judge has found.
+
+    Attributes:
+        met: whether the expectation is met; None if it cannot be judged.
+        text: what is, with its unit; or why it cannot be judged.
+        witness: positions of joints at which it is so.
+    """
+
+    met: bool | None
+    text: str
+    witness: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Configurations:
+    """Configurations (m, nq), each with the word that it was asked for by."""
+
+    labels: tuple[str, ...]
+    q: Array
+
+
+def above(value: float, bound: float) -> bool:
+    """Return whether a value is at least a bound."""
+    return value >= bound - SLACK * abs(bound)
+
+
+def below(value: float, bound: float) -> bool:
+    """Return whether a value is at most a bound."""
+    return value <= bound + SLACK * abs(bound)
+
+
+def agreed(certificate: Certificate) -> None:
+    """Go on only if the engines agree.
+
+    Raises:
+        DisagreementError: they do not.
+    """
+    if certificate.agree is False:
+        apart = f"{certificate.max_difference:.3g}, more than {certificate.tolerance:.3g}"
+        raise DisagreementError(f"the engines disagree by {apart}: neither number is trusted")
+
+
+def ends(robot: Robot, asked: OfFrame) -> tuple[str, str]:
+    """Return the frame and the observer that are meant.
+
+    Raises:
+        UnknownNameError: there is no such frame.
+        AmbiguousNameError: no frame is named, and the robot has several tips.
+    """
+    return robot.frame(asked.frame or robot.default_tip()), robot.frame(asked.relative_to or robot.root)
+
+
+def configurations(
+    model: Model, at: str | Sequence[float | str], joints: Iterable[Joint] | None = None
+) -> Configurations:
+    """Return the configurations that are meant, at least one.
+
+    Args:
+        model: the robot.
+        at: one in words, a list of numbers, a list of words, or "states".
+        joints: those that a state must move one of to count, where all states are meant; default any.
+
+    Raises:
+        UsageError: a configuration that there is not; no state.
+    """
+    if not isinstance(at, str) and not isinstance(at[0], str):
+        numbers = np.array([float(number) for number in at])
+        return Configurations(("the given configuration",), checked(model.robot, configuration(model, numbers).q)[None])
+    words = [at] if isinstance(at, str) else [str(word) for word in at]
+    found = [one for word in words for one in _meant(model, word, joints)]
+    return Configurations(tuple(label for label, _ in found), np.array([q for _, q in found]))
+
+
+def _meant(model: Model, word: str, joints: Iterable[Joint] | None) -> list[tuple[str, Array]]:
+    if word != _OF_STATES:
+        return [(cut(word), checked(model.robot, configuration(model, word).q))]
+    moved = None if joints is None else {joint.name for joint in joints}
+    states = [state for state in _states(model) if moved is None or moved & set(state[1])]
+    if not states:
+        missing = "no SRDF state moves the frame" if model.semantics.states else "there is no SRDF state"
+        raise UsageError(missing, remedy="name configurations in at")
+    return [(label, checked(model.robot, configuration(model, positions).q)) for label, positions in states]
+
+
+def _states(model: Model) -> list[tuple[str, dict[str, tuple[float, ...]]]]:
+    """Return the states with the positions of the joints that can be set; those of groups under one name are joined.
+
+    Where two groups contradict each other under one name, each is a state of its own.
+    """
+    settable = {joint.name for joint in model.robot.independent}
+    found = []
+    for name in model.semantics.state_names():
+        groups = [state for state in model.semantics.states if state.name == name]
+        joined: dict[str, tuple[float, ...]] = {}
+        alone = any(joined.setdefault(joint, at) != at for state in groups for joint, at in state.positions.items())
+        several = [(f"{s.group}/{s.name}", s.positions) for s in groups] if alone else [(name, joined)]
+        found += [(quote(label), {j: at for j, at in part.items() if j in settable}) for label, part in several]
+    return found
+
+
+def witness(robot: Robot, q: Array, joints: Iterable[Joint] | None = None) -> dict[str, float]:
+    """Return a configuration (nq,) by coordinate: those of some joints, and of the others what is not zero."""
+    shown = set(robot.position_names if joints is None else (n for joint in joints for n in joint.position_names))
+    rest = neutral(robot)
+    pairs = zip(robot.position_names, q, rest, strict=True)
+    return {name: float(value) + 0.0 for name, value, zero in pairs if name in shown or value != zero}

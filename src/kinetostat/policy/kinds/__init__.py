@@ -1,0 +1,1 @@
+"""What can be expected of a robot: one struct for each kind of table `[[robots.expect]]`."""

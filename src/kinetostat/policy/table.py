@@ -1,0 +1,64 @@
+"""What `kinetostat.toml`, or `[tool.kinetostat]` in pyproject.toml, can say, as types."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct, field
+
+from kinetostat.policy.expectations import Expectation
+
+__all__ = ["CheckSettings", "RobotSettings", "Settings"]
+
+Globs = tuple[str, ...]
+Codes = tuple[str, ...]
+
+
+class CheckSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"):
+    """How `kinetostat check` checks. What its command line says goes before."""
+
+    select: Annotated[Codes, Meta(description="Rules that are asked, by code, name or family, 'J'. Default: all.")] = ()
+    ignore: Annotated[Codes, Meta(description="Rules that are not asked, likewise.")] = ()
+    fail_on: Annotated[
+        Literal["error", "warning", "info"], Meta(description="A finding so bad, or worse, fails a file.")
+    ] = "error"
+    samples: Annotated[
+        int, Meta(ge=0, le=10_000, description="Configurations at which readers are compared; 0 for none.")
+    ] = 20
+    seed: Annotated[int, Meta(ge=0, le=2**32, description="Of the random configurations.")] = 0
+    timeout: Annotated[float, Meta(gt=0, description="Seconds after which a robot counts as crashed.")] = 120.0
+    baseline: Annotated[
+        str, Meta(description="A file of findings that are known, beside this one: only new ones fail.")
+    ] = ""
+    exclude: Annotated[
+        Globs, Meta(description="Files that are not checked, as globs relative to this file's folder: 'old/*.urdf'.")
+    ] = ()
+    per_path_ignores: Annotated[
+        dict[str, Codes], Meta(description="Rules that are not asked of some files: a glob, and a list of codes.")
+    ] = field(default_factory=dict)
+
+
+class RobotSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"):
+    """One robot, or all that a glob matches: how it is read, and what is expected of it."""
+
+    path: Annotated[
+        str,
+        Meta(
+            min_length=1,
+            description="A .urdf or .xacro file relative to this file's folder (a glob is allowed), example:NAME or "
+            "textbook:NAME.",
+        ),
+    ]
+    srdf: Annotated[str, Meta(description="Its SRDF. Default: the one beside it.")] = ""
+    package_dirs: Annotated[tuple[str, ...], Meta(description="Folders to look for packages in first.")] = ()
+    xacro_args: Annotated[dict[str, str], Meta(description="The arguments of a xacro file.")] = field(
+        default_factory=dict
+    )
+    expect: Annotated[tuple[Expectation, ...], Meta(description="What is expected of it.")] = ()
+
+
+class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"):
+    """What `kinetostat check` checks, and what robots are expected to do."""
+
+    check: Annotated[CheckSettings, Meta(description="How it is checked.")] = CheckSettings()
+    robots: Annotated[tuple[RobotSettings, ...], Meta(description="Robots and what is expected of each.")] = ()

@@ -1,0 +1,47 @@
+"""What `rules` and `explain` show."""
+
+import json
+
+import pytest
+
+from kinetostat.errors import printable
+from kinetostat.lint.registry import FAMILIES, RULES
+from kinetostat.report import csv, text
+from kinetostat.report import json as report_json
+from kinetostat.report.rules import explain_result, explain_view, rules_result, rules_view
+
+
+def test_all_rules_are_listed_by_family():
+    shown = text.render(rules_view(RULES))
+    assert max(map(len, shown.splitlines())) <= 80
+    for rule in RULES:
+        assert f"\n{rule.code}  {rule.severity}" in shown
+    for letter in {rule.code[0] for rule in RULES}:
+        assert f"{letter}: {FAMILIES[letter]}" in shown
+
+
+def test_csv_has_a_row_for_each_rule():
+    rows = csv.render(rules_view(RULES).csv).splitlines()
+    assert rows[0] == "code,severity,name,aim"
+    assert [row.split(",")[0] for row in rows[1:]] == [rule.code for rule in RULES]
+
+
+def test_json_has_all_rules():
+    found = json.loads(report_json.render(rules_result(RULES)))
+    assert [rule["code"] for rule in found["rules"]] == [rule.code for rule in RULES]
+    assert found["families"] == FAMILIES
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.code)
+def test_a_rule_is_explained(rule):
+    shown = text.render(explain_view(rule))
+    assert max(map(len, shown.splitlines())) <= 80
+    words = " ".join(shown.split())
+    assert rule.aim in words
+    assert rule.hint in words
+    assert " ".join(rule.why.split()) in words
+    for line in (*rule.bad.robot.splitlines()[:25], *rule.good.robot.splitlines()[:25]):
+        assert " ".join(printable(line)[:70].split()) in words
+    told = json.loads(report_json.render(explain_result(rule)))
+    assert told["bad"]["robot"] == rule.bad.robot_text
+    assert told["why"] == rule.why

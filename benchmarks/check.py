@@ -1,7 +1,7 @@
-"""`check` against simcheck (PyPI), static checks only, on the same files: all of example-robot-data, and the median robot.
+"""`check` against simcheck (PyPI, static checks only) on the same files: all of example-robot-data, and the median robot.
 
-simcheck reads meshes and compares inertias with them; `check` reads their headers only, and does what simcheck does not:
-three readers on all frames, kinetostatic rules. So the ratio is of two gates, not of the same work. Then one robot
+simcheck reads meshes and compares inertias with them; `check` reads their headers only, and does what simcheck does
+not: three readers on all frames, kinetostatic rules. So the ratio is of two gates, not of the same work. Then one robot
 against the bare import of Pinocchio and yourdfpy, which is what a script that compares readers has to wait for.
 
 simcheck is looked for beside this Python, else in the environment variable SIMCHECK.

@@ -65,9 +65,9 @@ class RobotItem(pytest.Item):
         """
         report = _checked(self.path, self.config.rootpath)
         if not report.passed:
-            from kinetostat.report.check import text
+            from kinetostat.report.check import rendered
 
-            raise CheckFailedError(text.render(report))
+            raise CheckFailedError(rendered(report, "text"))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **kwargs: Any) -> Any:
         """Return the report instead of a traceback."""

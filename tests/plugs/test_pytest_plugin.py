@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+
 from cli.test_check import GOOD, SWAPPED
 
 TEST = """

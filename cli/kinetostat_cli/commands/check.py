@@ -203,10 +203,10 @@ def _rendered(report: CheckReport, form: Form, *, verbose: bool = False, colour:
         from kinetostat.report.check import rendered
 
         return rendered(report, form.value, base=Path.cwd())
-    from kinetostat.report.check import text
+    from kinetostat.report.check.text import render
 
     on_terminal = colour and sys.stdout is not None and sys.stdout.isatty() and "NO_COLOR" not in os.environ
-    return text.render(report, verbose=verbose, style=_styled if on_terminal else None)
+    return render(report, verbose=verbose, style=_styled if on_terminal else None)
 
 
 def _further(given: list[str] | None) -> list[tuple[Form, Path]]:

@@ -52,7 +52,11 @@ def diff(
     frame: Annotated[
         list[str] | None,
         typer.Option(
-            "--frame", "-f", metavar="FRAME", help="Follow this frame, not all tips, of A or B. May be repeated."
+            "--frame",
+            "-f",
+            metavar="FRAME",
+            help="Follow this frame, not all tips, of A or B. May be repeated.",
+            autocompletion=completion.frames,
         ),
     ] = None,
     samples: Annotated[int, typer.Option(min=1, metavar="N", help="Random configurations of each search.")] = 1000,

@@ -70,6 +70,11 @@ class Agreement:
         """Whether nothing disagrees."""
         return not self.disagreements
 
+    @property
+    def engines_agree(self) -> bool:
+        """Whether the engines do, whatever the third reader says alone."""
+        return all(one.odd_one == ThirdReader.name for one in self.disagreements)
+
 
 def agreement(model: Model, *, samples: int = 20, seed: int = 0, third: bool = True) -> Agreement:
     """Return how far the readers of a robot come apart.

@@ -82,12 +82,17 @@ def check_robot(task: Task) -> FileCheck:
 
 
 def judged(file: FileCheck, fail_on: Severity) -> FileCheck:
-    """Return the result with its verdict: a finding as bad as `fail_on`, or an unmet expectation, fails it."""
+    """Return the result with its verdict.
+
+    A finding as bad as `fail_on`, or an unmet expectation, fails it; so do engines that disagree, whatever rules are
+    asked: nothing that is said of such a robot can be relied on.
+    """
     if file.verdict is Verdict.CRASHED:
         return file
     bad = any(finding.severity.rank <= fail_on.rank for finding in file.findings)
     unmet = any(not outcome.met for outcome in file.outcomes)  # not judged is not met
-    return replace(file, verdict=Verdict.FAIL if bad or unmet else Verdict.PASS)
+    apart = file.agreement is not None and not file.agreement.engines_agree
+    return replace(file, verdict=Verdict.FAIL if bad or unmet or apart else Verdict.PASS)
 
 
 def _agreement(subject: Subject, task: Task) -> tuple[Agreement | None, dict[str, str]]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from kinetostat.analysis.agreement import Agreement
 from kinetostat.errors import KinetostatError, RobotError
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.registry import RULES, matches
 from kinetostat.lint.rule import Needs, Rule, RuleSkippedError
+from kinetostat.lint.rules.kinetostatics.readers import ReadersRule
 from kinetostat.lint.rules.xml import UnreadableRobot, UnusedSuppression
 from kinetostat.lint.subject import Subject
 from kinetostat.lint.suppression import Suppression, suppressions
@@ -53,6 +55,11 @@ def lint(subject: Subject, rules: Sequence[Rule], agreement: Agreement | None = 
             skipped[each.code] = str(reason)
         except KinetostatError as error:  # an analysis that cannot be asked of this robot
             skipped[each.code] = error.message
+        if isinstance(each, ReadersRule):
+            if agreement is None:
+                skipped[each.code] = "the readers were not compared"
+            else:
+                found += [each.of(one, subject) for one in agreement.disagreements if each.takes(one)]
     found += _refusal(subject, found)
     kept, taken = _sifted(subject, sorted(set(found), key=lambda finding: finding.place), rules)
     return Linted(tuple(kept), tuple(taken), skipped)

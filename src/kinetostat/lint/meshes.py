@@ -9,6 +9,7 @@ import os
 import stat
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from kinetostat.lint.headers import HEAD, Fault, fault_of
@@ -91,21 +92,43 @@ def _look_up(subject: Subject) -> dict[str, NamedFile]:
 
 
 class _Remembering(Packages):
-    """Packages that look for each package once: a robot names the same one in every mesh."""
+    """Packages that look for each folder once: a robot names the same few in every mesh."""
+
+    @cached_property
+    def _known(self) -> dict[str, Path | None]:
+        return {}
+
+    @cached_property
+    def _real(self) -> dict[Path, Path]:
+        return {}
+
+    @cached_property
+    def _home(self) -> Path:
+        return super().home()
+
+    @cached_property
+    def _manifest(self) -> bool:
+        return super().has_manifest()
 
     def find(self, package: str) -> Path | None:
         """Return the folder of a package, or None."""
-        known: dict[str, Path | None] = vars(self).setdefault("_known", {})
-        if package not in known:
-            known[package] = super().find(package)
-        return known[package]
+        if package not in self._known:
+            self._known[package] = super().find(package)
+        return self._known[package]
+
+    def real(self, folder: Path) -> Path:
+        """Return where a folder really is, links followed."""
+        if folder not in self._real:
+            self._real[folder] = super().real(folder)
+        return self._real[folder]
 
     def home(self) -> Path:
         """Return the package that the file is in, or its folder."""
-        if "_home" not in vars(self):
-            vars(self)["_home"] = super().home()
-        home: Path = vars(self)["_home"]
-        return home
+        return self._home
+
+    def has_manifest(self) -> bool:
+        """Return whether a package.xml says which package the file is in."""
+        return self._manifest
 
 
 def _naming(subject: Subject) -> Iterator[Element]:

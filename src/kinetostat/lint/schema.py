@@ -4,8 +4,8 @@ Sources: the parser that defines the format (ros/urdfdom, `urdf_parser/src`), it
 documents of the tools whose extensions are known here: Gazebo, ros_control and ros2_control, Drake, MuJoCo, PyBullet,
 Isaac, Tesseract. Extensions are known by name and not looked into.
 
-What an inertial, a limit, a safety controller or the dynamics of a joint must have is judged with the bodies and the
-joints; here is only what they may have.
+What an inertial, a limit, a calibration or a safety controller must have is judged with the bodies and the joints; here
+is only what they may have.
 """
 
 from __future__ import annotations
@@ -57,6 +57,7 @@ class Part:
         choice: one of these must be there.
         attributes: what may be given, beside the numbers and what is needed.
         needed: the attributes that must be there.
+        either: one of these attributes must be there.
         numbers: the attributes that are numbers.
         extensions: children that other tools read.
         extras: attributes that other tools read.
@@ -69,6 +70,7 @@ class Part:
     choice: tuple[str, ...] = ()
     attributes: tuple[str, ...] = ()
     needed: tuple[str, ...] = ()
+    either: tuple[str, ...] = ()
     numbers: Mapping[str, Number] = field(default_factory=lambda: _NONE)
     extensions: frozenset[str] = frozenset()
     extras: frozenset[str] = frozenset()
@@ -173,6 +175,7 @@ _JOINT = Part(
             numbers={"multiplier": Number(largest=MAX_MULTIPLIER), "offset": _LENGTH},
         ),
         "dynamics": Part(
+            either=("damping", "friction"),
             numbers=dict.fromkeys(("damping", "friction"), Number()),
             extras=frozenset({"armature", "spring_reference", "spring_stiffness"}),
         ),

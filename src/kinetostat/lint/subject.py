@@ -85,12 +85,12 @@ class Subject:
     @cached_property
     def link_elements(self) -> Mapping[str, Element]:
         """The first `<link>` of each name."""
-        return {e.attributes["name"]: e for e in reversed(self.links) if "name" in e.attributes}
+        return {e.attributes["name"]: e for e in reversed(self.links) if e.attributes.get("name")}
 
     @cached_property
     def joint_elements(self) -> Mapping[str, Element]:
         """The first `<joint>` of each name."""
-        return {e.attributes["name"]: e for e in reversed(self.joints) if "name" in e.attributes}
+        return {e.attributes["name"]: e for e in reversed(self.joints) if e.attributes.get("name")}
 
     @cached_property
     def joints_below(self) -> Mapping[str, Sequence[Element]]:
@@ -159,9 +159,9 @@ def _with_semantics(subject: Subject, srdf: Path | None) -> Subject:
         document = parse(read_file(path, str(path)), str(path))
     except KinetostatError as error:
         return replace(subject, srdf_refusal=error)
-    subject = replace(subject, srdf=document)
+    robot, subject = subject.robot, replace(subject, srdf=document)
     try:
-        return replace(subject, semantics=read_srdf(document, subject.robot))
+        return replace(subject, semantics=read_srdf(document, robot))
     except KinetostatError as error:
         return replace(subject, srdf_refusal=error)
 

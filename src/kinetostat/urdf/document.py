@@ -19,6 +19,7 @@ MAX_PARTS = 1_000_000  # elements and attributes: some 50 for each of 20,000 lin
 
 _DECLARATION = re.compile(r"""\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _SINGLE_BYTE = re.compile(r"((?:us-?)?ascii|latin-?1|iso-?8859-?\d+|windows-?125\d|cp125\d)$", re.IGNORECASE)
+_DEEPEST_LABEL = 4
 _NAMED = ("link", "joint", "drake:joint", "inertial")
 _NOT_ROBOT_FILES = (
     (b"\x1f\x8b", "is a gzip archive", "unpack it with gunzip first"),
@@ -48,11 +49,17 @@ class Element:
 
     def label(self) -> str:
         """Return the element as a reader would look for it: `<joint name='elbow'>`, `<joint name='elbow'><axis>`."""
+        parts, element = [self._mark()], self
+        while "name" not in element.attributes and element.parent is not None and element.parent.tag in _NAMED:
+            element = element.parent
+            parts.append(element._mark())
+            if len(parts) == _DEEPEST_LABEL:  # a hostile file may nest them without end
+                break
+        return "".join(reversed(parts))
+
+    def _mark(self) -> str:
         tag = cut(self.tag)
-        if "name" in self.attributes:
-            return f"<{tag} name={quote(self.attributes['name'], 40)}>"
-        inside = self.parent.label() if self.parent is not None and self.parent.tag in _NAMED else ""
-        return f"{inside}<{tag}>"
+        return f"<{tag} name={quote(self.attributes['name'], 40)}>" if "name" in self.attributes else f"<{tag}>"
 
 
 @dataclass(frozen=True, slots=True)

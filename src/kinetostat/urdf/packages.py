@@ -77,12 +77,16 @@ class Packages:
             return place
         root, path = place
         try:
-            real, inside = path.resolve(), root.resolve()
-            if not real.is_relative_to(inside):
+            real = path.resolve()
+            if not real.is_relative_to(self.real(root)):
                 return Reason.OUTSIDE
             return real if real.is_file() else Reason.MISSING
         except (OSError, RuntimeError, ValueError):  # a loop of links, a name too long, a NUL character
             return Reason.UNFOLLOWED
+
+    def real(self, folder: Path) -> Path:
+        """Return where a folder really is, links followed."""
+        return folder.resolve()
 
     def place(self, uri: str) -> tuple[Path, Path] | Reason:
         """Return the folder that a mesh name may not leave, and the path it says; or why it says none."""

@@ -27,7 +27,7 @@ __all__ = ["Consequences", "Question", "consequences"]
 
 _TIPS = 32  # whose displacement is looked for, unless they are named
 _MAIN = 4  # whose manipulability and singular families are looked at
-_STARTS = 1000
+_STARTS = 400  # searches for singular families; one that is missed is tried all the same
 _NOISE = 1e-6  # of a reach or an index: what the search for it is good for
 
 
@@ -204,7 +204,7 @@ class _Answer:
         self.found = replace(self.found, singular_families=tuple(found))
         self.lines += failed
         if arms and not found and not failed:
-            self.lines.append("singular families: unchanged")
+            self.lines.append("singular families: under the same conditions")
         elif not arms:
             reason = "only arms of 6 or 7 joints are searched" if tips else "unchanged"
             self.lines.append(f"singular families: {reason}")

@@ -4,30 +4,36 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import partial
 
 from kinetostat.urdf.description import JointType, Robot
 
 __all__ = ["main_frames", "mirrored_name"]
 
-_TOOL = re.compile(r"tool0|tcp|tool|flange|end_?effector|(^|_)ee(_|$)", re.IGNORECASE)
+_TOOLS = (
+    re.compile(r"tool0|tcp|tool|flange|end_?effector|(^|_)ee(_|$)|grasp|gripper_frame", re.IGNORECASE),
+    re.compile(r"foot|sole|palm|(finger|hand)_?tip|(^|_)tip(_|$)", re.IGNORECASE),
+)
 _MOST = 8
+_HAND = 2  # a chain may be so many joints longer than the arm that it is a gripper's part of
 
 
 def main_frames(robot: Robot) -> tuple[str, ...]:
     """Return one frame for each main chain, those with the most joints first, eight at most.
 
     The way to a tip is cut where other moving branches leave it; the longest piece is what counts, and its end the
-    frame: the wrist or palm of an arm with a hand, the foot of a leg. Chains with several joints go before lone ones.
+    frame: the wrist or palm of an arm with a hand, the foot of a leg. Of chains that are parts of one another the
+    longest counts, or the one that ends in a tool. Chains with several joints go before lone ones.
     """
     ahead = _moving_branches(robot)
     pieces: dict[str, int] = {}
     for tip in robot.tips:
-        frame, length = _longest_piece(robot, tip, ahead)
+        body, length = _longest_piece(robot, tip, ahead)
         if length:
-            pieces.setdefault(_named_end(robot, frame, ahead), length)
-    ordered = sorted(pieces, key=lambda frame: -len(robot.movable_path(robot.root, frame)))
-    long = [frame for frame in ordered if pieces[frame] > 1]
-    return tuple((long or ordered)[:_MOST])
+            pieces.setdefault(body, length)
+    long = [body for body in pieces if pieces[body] > 1] or list(pieces)
+    frames = {body: _named_end(robot, body, ahead) for body in _ends_of_limbs(robot, long)}
+    return tuple(frames.values())[:_MOST]
 
 
 def _moving_branches(robot: Robot) -> dict[str, int]:
@@ -45,57 +51,64 @@ def _moving_branches(robot: Robot) -> dict[str, int]:
 
 
 def _longest_piece(robot: Robot, tip: str, ahead: dict[str, int]) -> tuple[str, int]:
-    """Return the last link of the longest piece without a moving branch of the way to a tip, and its joints' count."""
+    """Return what the longest piece without a moving branch of the way to a tip ends with, and its joints' count."""
     best, length, count = robot.root, 0, 0
     for joint, _ in robot.path(robot.root, tip):
         if ahead[joint.parent] > 1:
             count = 0
         count += joint.type is not JointType.FIXED and joint.mimic is None
-        if count > length or (count == length and joint.type is JointType.FIXED and best == joint.parent):
+        if count > length:
             best, length = joint.child, count
     return best, length
 
 
-def _named_end(robot: Robot, link: str, ahead: dict[str, int]) -> str:
-    """Return the frame on the same body that has the name of a tool, the one with the shortest name; else the link."""
-    body, stack = list[str](), [_body(robot, link)]
-    while stack:
-        one = stack.pop()
-        body.append(one)
-        stack += [joint.child for joint in robot.child_joints[one] if joint.type is JointType.FIXED]
-    tools = [one for one in body if _TOOL.search(one)]
-    if tools:
-        return min(tools, key=lambda one: (len(one), one))
-    return link if ahead[link] else _body(robot, link)
+def _ends_of_limbs(robot: Robot, bodies: Iterable[str]) -> list[str]:
+    """Return the bodies without those that are on the way to others, those with the most joints first."""
+    above = {body: [joint.child for joint in robot.to_root(body)] for body in bodies}
+    counts = {body: len(robot.movable_path(robot.root, body)) for body in above}
+    dropped = set[str]()
+    for body, way in above.items():
+        for inner in way[1:]:
+            if inner in above:
+                short = counts[body] - counts[inner] <= _HAND and _tool(robot, inner) and not _tool(robot, body)
+                dropped.add(body if short else inner)
+    return sorted((body for body in above if body not in dropped), key=lambda body: -counts[body])
 
 
-def _body(robot: Robot, link: str) -> str:
-    """Return the link that the last moving joint before a link moves."""
-    return next((joint.child for joint in robot.to_root(link) if joint.type is not JointType.FIXED), robot.root)
+def _named_end(robot: Robot, body: str, ahead: dict[str, int]) -> str:
+    """Return the frame of a body that is called a tool; else the one where moving branches leave it; else its own."""
+    branching = [link for link in _fixed_to(robot, body) if ahead[link] > 1]
+    return _tool(robot, body) or (branching[-1] if branching else body)
 
 
-_SIDES = (
-    ("left", "right"),
-    ("l", "r"),
-    ("lf", "rf"),
-    ("fl", "fr"),
-    ("lh", "rh"),
-    ("rl", "rr"),
-    ("bl", "br"),
-    ("hl", "hr"),
-)
+def _tool(robot: Robot, body: str) -> str | None:
+    """Return the frame of a body that is called a tool, or else a foot, the one with the shortest name."""
+    links = _fixed_to(robot, body)
+    named = ([link for link in links if words.search(link)] for words in _TOOLS)
+    return next((min(found, key=lambda link: (len(link), link)) for found in named if found), None)
+
+
+def _fixed_to(robot: Robot, body: str) -> list[str]:
+    """Return a link and all that fixed joints join to it, further out, in the order of the tree."""
+    links = [body]
+    for link in links:
+        links += [joint.child for joint in robot.child_joints[link] if joint.type is JointType.FIXED]
+    return links
+
+
+_SIDES = ("left right", "l r", "lf rf", "fl fr", "lh rh", "rl rr", "bl br", "hl hr")
 
 
 def mirrored_name(name: str, known: Iterable[str]) -> str | None:
     """Return the name on the right side for a name of the left: `l_hand` -> `r_hand`; None if there is none."""
     names = set(known)
-    for left, right in _SIDES:
+    for left, right in map(str.split, _SIDES):
         inside = left if len(left) > 2 else rf"(?<![A-Za-z0-9]){left}(?![A-Za-z])"
-        found = re.sub(inside, lambda word, right=right: _same_case(word[0], right), name, flags=re.IGNORECASE)
+        found = re.sub(inside, partial(_in_case_of, right), name, flags=re.IGNORECASE)
         if found != name and found in names:
             return found
     return None
 
 
-def _same_case(model: str, word: str) -> str:
-    return word.upper() if model.isupper() else word.capitalize() if model[:1].isupper() else word
+def _in_case_of(word: str, found: re.Match[str]) -> str:
+    return word.upper() if found[0].isupper() else word.capitalize() if found[0][:1].isupper() else word

@@ -44,7 +44,7 @@ def drafted(model: Model, robot: RobotSettings) -> str:
         lines += ["", comment(proposal.remark)] if proposal.remark else [""]
         if proposal.expectation is not None:
             lines += table(proposal.expectation)
-    return "\n".join([*lines, *_examples(model)]) + "\n"
+    return "\n".join([*lines, *_examples(model, robot.path)]) + "\n"
 
 
 def _robot(robot: RobotSettings) -> Iterator[str]:
@@ -55,11 +55,11 @@ def _robot(robot: RobotSettings) -> Iterator[str]:
             yield f"{part.encode_name} = {value(given)}"
 
 
-def _examples(model: Model) -> Iterator[str]:
+def _examples(model: Model, source: str) -> Iterator[str]:
     """Yield what only the robot's users know, commented out."""
     frame = (*main_frames(model.robot), model.robot.root)[0]
     yield from ("", "# Expectations that only you can write, for instance:")
-    written = f"kinetostat fk ROBOT -f {printable(frame)} -q mid -F json -o golden.json"
+    written = f"kinetostat fk {printable(source)} -f {printable(frame)} -q mid -F json -o golden.json"
     yield from _commented("", table(Holds(frame=frame, payload=1.0, at="mid", at_most_percent=80.0)))
     yield from _commented("", table(Reaches(frame=frame, poses=((0.5, 0.0, 0.5),))))
     yield from _commented(f"golden.json is written by: {written}", table(Golden(file="golden.json", tolerance=1e-6)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator
 
 from kinetostat.analysis.agreement import Disagreement
@@ -11,7 +12,7 @@ from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.rule import Example, Needs, Rule
 from kinetostat.lint.subject import Subject
 
-__all__ = ["EnginesDisagree", "ThirdReaderDisagrees"]
+__all__ = ["EnginesDisagree", "ReadersRule", "ThirdReaderDisagrees"]
 
 _SHOWN = 8  # coordinates of a configuration
 _FINE = """
@@ -23,7 +24,29 @@ _FINE = """
         </joint>"""
 
 
-class EnginesDisagree(Rule):
+class ReadersRule(Rule):
+    """A rule about what the readers say. No file can make them disagree, so its examples are the same sound robot."""
+
+    needs = Needs.MODEL
+    by_gate = True
+    bad = good = Example(_FINE)
+
+    def check(self, subject: Subject) -> Iterator[Finding]:  # noqa: ARG002
+        """Yield nothing: `lint` asks `of`, of what `analysis.agreement` has found."""
+        yield from ()
+
+    @abstractmethod
+    def takes(self, disagreement: Disagreement) -> bool:
+        """Return whether a disagreement is this rule's."""
+
+    def of(self, disagreement: Disagreement, subject: Subject) -> Finding:
+        """Return the finding for a disagreement."""
+        frame = disagreement.frame
+        element = subject.link_elements.get(frame, subject.root) if frame else subject.root
+        return self.finding(element, _message(disagreement))
+
+
+class EnginesDisagree(ReadersRule):
     """The two engines do not agree on a number of this robot.
 
     Every number is computed by Pinocchio and by an engine that shares nothing with it. Where they differ, one of them
@@ -35,24 +58,13 @@ class EnginesDisagree(Rule):
     name = "engines-disagree"
     severity = Severity.ERROR
     hint = "please report it with the file: it is a bug, of kinetostat or of Pinocchio"
-    needs = Needs.MODEL
-    by_gate = True
-    bad = good = Example(_FINE)
-
-    def check(self, subject: Subject) -> Iterator[Finding]:  # noqa: ARG002
-        """Yield nothing: the gate asks `of`, of what `analysis.agreement` has found."""
-        yield from ()
 
     def takes(self, disagreement: Disagreement) -> bool:
         """Return whether a disagreement is this rule's: one of an engine."""
         return disagreement.odd_one != ThirdReader.name
 
-    def of(self, disagreement: Disagreement, subject: Subject) -> Finding:
-        """Return the finding for a disagreement."""
-        return _finding(self, disagreement, subject)
 
-
-class ThirdReaderDisagrees(Rule):
+class ThirdReaderDisagrees(ReadersRule):
     """yourdfpy puts a link elsewhere than both engines do.
 
     Two readers outvote one, so the numbers here stand; but whoever visualises the robot with yourdfpy, or with what is
@@ -64,26 +76,10 @@ class ThirdReaderDisagrees(Rule):
     name = "third-reader-disagrees"
     severity = Severity.WARNING
     hint = "look at what is unusual about the joints before that link; please report it with the file"
-    needs = Needs.MODEL
-    by_gate = True
-    bad = good = Example(_FINE)
-
-    def check(self, subject: Subject) -> Iterator[Finding]:  # noqa: ARG002
-        """Yield nothing: the gate asks `of`, of what `analysis.agreement` has found."""
-        yield from ()
 
     def takes(self, disagreement: Disagreement) -> bool:
         """Return whether a disagreement is this rule's: one of the third reader alone."""
         return disagreement.odd_one == ThirdReader.name
-
-    def of(self, disagreement: Disagreement, subject: Subject) -> Finding:
-        """Return the finding for a disagreement."""
-        return _finding(self, disagreement, subject)
-
-
-def _finding(rule: Rule, disagreement: Disagreement, subject: Subject) -> Finding:
-    element = subject.link_elements.get(disagreement.frame, subject.root) if disagreement.frame else subject.root
-    return rule.finding(element, _message(disagreement))
 
 
 def _message(found: Disagreement) -> str:

@@ -14,6 +14,7 @@ __all__ = ["unknown"]
 
 _LONG = 100  # letters: comparing longer names, or more of them, takes too long
 _MANY = 2000
+_SLIP = 4  # letters that a misspelt name is longer or shorter
 
 
 def unknown(
@@ -58,6 +59,8 @@ def unknown(
 
 def _nearest(kind: str, name: str, known: Collection[str]) -> str | None:
     """Return a hint at the names that are nearly the same."""
-    if len(name) > _LONG or len(known) > _MANY:
+    if not name or len(name) > _LONG or len(known) > _MANY:
         return None
-    return unknown_name(kind, name, [each for each in known if len(each) <= _LONG]).remedy
+    lengths = range(len(name) - _SLIP, len(name) + _SLIP + 1)
+    hint = unknown_name(kind, name, [each for each in known if len(each) in lengths]).remedy
+    return hint if hint and hint.startswith("did you mean") else None

@@ -26,7 +26,8 @@ _ARM = """
 class MissingAttribute(Rule):
     """An attribute is missing that must be there.
 
-    Readers refuse the file, or drop the element around: a shape without its size, a mesh without its file.
+    Readers refuse the file, or drop the element around: a shape without its size, a mesh without its file. The dynamics
+    of a joint need damping or friction, or urdfdom refuses the file.
     """
 
     code = "X206"
@@ -54,6 +55,8 @@ class MissingAttribute(Rule):
             missing = [key for key in part.needed if key not in given or (key == "name" and not given[key])]
             if element.tag == "material" and "name" in given:
                 missing = []  # an empty name is what exporters give a colour of a single visual
+            if part.either and not any(key in given for key in part.either):
+                missing.append(" and no ".join(part.either))
             if missing:
                 severity = Severity.WARNING if part.cosmetic else None
                 unknown = (key for key in given if key not in part.known_attributes)

@@ -201,7 +201,7 @@ class LengthInMillimetres(Rule):
                 far.append((max(map(abs, xyz)), element))
         if far:
             largest, count = max(size for size, _ in far), len(far)
-            more = f", and {count - 1} more placements as far, up to {largest:g} m" if count > 1 else ""
+            more = f", and {count - 1} more beyond {self.longest:g} m, up to {largest:g} m" if count > 1 else ""
             yield self.finding(far[0][1], f"a placement {far[0][0]:g} m away{more}", attribute="xyz")
 
 

@@ -1,4 +1,4 @@
-"""`check` against simcheck (PyPI, static checks only) on the same files: all of example-robot-data, and the median robot.
+"""`check` against simcheck (PyPI, static checks only) on the same files: all of example-robot-data, and the median one.
 
 simcheck reads meshes and compares inertias with them; `check` reads their headers only, and does what simcheck does
 not: three readers on all frames, kinetostatic rules. So the ratio is of two gates, not of the same work. Then one robot

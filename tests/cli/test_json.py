@@ -136,7 +136,17 @@ def test_info_tells_tree_joints_chains_masses_and_remarks(cli):
     mass = result["mass"]
     assert mass["total"] == pytest.approx(mass["base_link"] + mass["without_base_link"], rel=1e-15)
     assert mass["base_link"] == pytest.approx(sum(link["mass"] or 0 for link in result["links"][:1]), rel=1e-14)
-    assert [remark["line"] for remark in result["remarks"]] == [joints["panda_joint4"]["line"]]
+    assert result["remarks"] == []
+
+
+def test_info_tells_what_is_odd_with_its_rule_and_line(cli, tmp_path):
+    (tmp_path / "odd.urdf").write_text('<robot name="r">\n<link name="a b"/>\n</robot>')
+    (blank, *_) = [
+        r for r in cli("info", tmp_path / "odd.urdf", "-F", "json").json["result"]["remarks"] if r["line"] == 2
+    ]
+    assert blank["code"] == "N101"
+    assert blank["severity"] == "warning"
+    assert blank["hint"]
 
 
 def test_infinite_limits_are_null_not_nan(cli, arm):

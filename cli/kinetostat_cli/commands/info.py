@@ -25,16 +25,17 @@ def info(
     Example: kinetostat info example:panda
     """
     import kinetostat
+    from kinetostat.lint.linting import oddities
     from kinetostat.report.json import info_result
     from kinetostat.report.view import info_view
 
     model = load(robot, output)
-    result = kinetostat.summary(model)
+    result, odd = kinetostat.summary(model), oddities(model)
     write_answer(
         Answer(
             "info",
-            lambda: info_view(result, degrees=deg),
-            lambda: info_result(result),
+            lambda: info_view(result, odd, degrees=deg),
+            lambda: info_result(result, odd),
             model,
             certificate=result.certificate,
         ),

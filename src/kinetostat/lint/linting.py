@@ -6,16 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from kinetostat.analysis.agreement import Agreement
+from kinetostat.engines.model import Model
 from kinetostat.errors import KinetostatError, RobotError
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.registry import RULES, matches
 from kinetostat.lint.rule import Needs, Rule, RuleSkippedError
 from kinetostat.lint.rules.kinetostatics.readers import ReadersRule
 from kinetostat.lint.rules.xml import UnreadableRobot, UnusedSuppression
-from kinetostat.lint.subject import Subject
+from kinetostat.lint.subject import Subject, subject_of_loaded
 from kinetostat.lint.suppression import Suppression, suppressions
 
-__all__ = ["Linted", "lint", "there_is_a_model"]
+__all__ = ["Linted", "lint", "oddities", "there_is_a_model"]
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,13 @@ def lint(subject: Subject, rules: Sequence[Rule], agreement: Agreement | None = 
     found += _refusal(subject, found)
     kept, taken = _sifted(subject, sorted(set(found), key=lambda finding: finding.place), rules)
     return Linted(tuple(kept), tuple(taken), skipped)
+
+
+def oddities(model: Model) -> tuple[Finding, ...]:
+    """Return what is wrong or odd about the file of a robot that has been read: errors and warnings of static rules."""
+    rules = [each for each in RULES if each.needs < Needs.MODEL]
+    found = lint(subject_of_loaded(model.loaded), rules).findings
+    return tuple(finding for finding in found if finding.severity is not Severity.INFO)
 
 
 def there_is_a_model(subject: Subject) -> bool:

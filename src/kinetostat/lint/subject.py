@@ -22,7 +22,7 @@ from kinetostat.urdf.reading import as_number, words
 from kinetostat.urdf.srdf import Semantics, find_srdf, read_srdf
 from kinetostat.urdf.xacro import expand, is_xacro
 
-__all__ = ["Subject", "end_of", "first", "name_of", "number", "subject_of", "vector"]
+__all__ = ["Subject", "end_of", "first", "name_of", "number", "subject_of", "subject_of_loaded", "vector"]
 
 JOINT_TAGS = ("joint", "drake:joint")
 
@@ -146,6 +146,16 @@ def subject_of(
     except KinetostatError as error:
         return replace(subject, refusal=error)
     return _with_semantics(subject, srdf)
+
+
+def subject_of_loaded(loaded: LoadedRobot) -> Subject:
+    """Return what rules look at of a robot that has been read."""
+    name, document = loaded.source.name, parse(loaded.source.data, loaded.source.name)
+    subject = Subject(name, loaded.source, loaded.packages, document, loaded.robot, semantics=loaded.semantics)
+    file = loaded.semantics.file
+    if not file:
+        return subject
+    return replace(subject, srdf=parse(read_file(Path(file), file), file))
 
 
 def _with_semantics(subject: Subject, srdf: Path | None) -> Subject:

@@ -57,9 +57,10 @@ def _is_ours(project: Path) -> bool:
     if "kinetostat" not in text:
         return False
     try:
-        return "kinetostat" in _parsed(project, text).get("tool", {})
+        tools = _parsed(project, text).get("tool")
     except UsageError:
         return re.search(r"^\s*\[+\s*tool\s*\.\s*[\"']?kinetostat", text, re.MULTILINE) is not None
+    return isinstance(tools, dict) and "kinetostat" in tools
 
 
 def read_settings(path: Path) -> Settings:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from kinetostat.analysis.kinematics import FrameChange, Placement
     from kinetostat.analysis.summary import Summary
     from kinetostat.engines.model import Model
+    from kinetostat.lint.finding import Finding
 
 __all__ = [
     "adjoint_result",
@@ -157,8 +158,8 @@ def frames_result(robot: Robot) -> Json:
     return {"root": robot.root, "frames": frames}
 
 
-def info_result(result: Summary) -> Json:
-    """Return the result object of `info`."""
+def info_result(result: Summary, odd: Sequence[Finding]) -> Json:
+    """Return the result object of `info`; `odd` is what is odd about the file."""
     robot = result.robot
     return {
         "root": robot.root,
@@ -177,7 +178,17 @@ def info_result(result: Summary) -> Json:
         "reach": result.reach,
         "groups": {name: list(joints) for name, joints in result.groups.items()},
         "states": list(result.states),
-        "remarks": [{"line": r.line or None, "element": r.element, "message": r.text} for r in result.remarks],
+        "remarks": [
+            {
+                "code": finding.code,
+                "severity": finding.severity.value,
+                "line": finding.line or None,
+                "element": finding.element,
+                "message": finding.message,
+                "hint": finding.hint,
+            }
+            for finding in odd
+        ],
     }
 
 

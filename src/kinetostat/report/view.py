@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from kinetostat.analysis.jacobian import Jacobian
     from kinetostat.analysis.kinematics import FrameChange, Placement
     from kinetostat.analysis.summary import Summary
+    from kinetostat.lint.finding import Finding
 
 __all__ = [
     "Cell",
@@ -234,8 +235,8 @@ def frames_view(robot: Robot) -> View:
     )
 
 
-def info_view(result: Summary, *, degrees: bool) -> View:
-    """Return the view of what is in a file."""
+def info_view(result: Summary, odd: Sequence[Finding], *, degrees: bool) -> View:
+    """Return the view of what is in a file, and what is odd about it."""
     robot = result.robot
     movable = sum(joint.type is not JointType.FIXED for joint in robot.joints)
     name = cut(robot.name) or "a robot without a name"
@@ -251,7 +252,7 @@ def info_view(result: Summary, *, degrees: bool) -> View:
     chains = tuple((c.tip, str(len(c.joints)), " ".join(c.joints)) for c in result.chains)
     groups = tuple((name, str(len(joints)), " ".join(joints)) for name, joints in result.groups.items())
     states = tuple((state,) for state in result.states)
-    remarks = tuple((str(r.line) if r.line else "", r.element, r.text) for r in result.remarks)
+    remarks = tuple((str(f.line) if f.line else "", f.code, f.element, f.message) for f in odd)
     tables += [
         Table(header, rows, title=title, words=True)
         for title, header, rows in (
@@ -259,11 +260,11 @@ def info_view(result: Summary, *, degrees: bool) -> View:
             ("chains", ("tip", "joints", "in path order"), chains),
             ("SRDF groups", ("group", "joints", "named"), groups),
             ("SRDF states, for --config", ("state",), states),
-            ("what is odd about the file", ("line", "element", "remark"), remarks),
+            ("what is odd about the file", ("line", "rule", "element", "finding"), remarks),
         )
         if rows
     ]
-    notes = () if remarks else ("nothing is odd about the file",)
+    notes = ("kinetostat check looks closer",) if remarks else ("nothing is odd about the file",)
     return View(title, tuple(tables), notes, tree_lines(robot))
 
 

@@ -219,9 +219,16 @@ class _Answer:
             self.lines.append("worst gravity torque: unchanged")
             return
         self.question.tell("worst gravity torques", 0.0)
-        share, samples, seed = self.question.tolerance.relative, self.question.samples, self.question.seed
         try:
-            found, proof = worst_efforts(self.a, self.b, self.matching, share, samples, seed)
+            found, proof = worst_efforts(
+                self.a,
+                self.b,
+                self.matching,
+                self.question.tolerance.relative,
+                samples=self.question.samples,
+                seed=self.question.seed,
+                progress=self.question.progress,
+            )
         except (UsageError, NumberError) as error:
             self.lines.append(f"worst gravity torque: not looked for: {error.message}")
             return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from kinetostat.analysis.configuration import neutral
@@ -57,7 +58,14 @@ def bears_on_effort(change: Change) -> bool:
 
 
 def worst_efforts(
-    a: Model, b: Model, matching: Matching, share: float, samples: int, seed: int
+    a: Model,
+    b: Model,
+    matching: Matching,
+    share: float,
+    *,
+    samples: int,
+    seed: int,
+    progress: Callable[[str, float], None] | None = None,
 ) -> tuple[tuple[WorstEffort, ...], Certificate]:
     """Return the joints of both robots whose worst gravity torque, or its share of the effort limit, changed.
 
@@ -70,12 +78,15 @@ def worst_efforts(
         share: of a torque, below which a change does not count.
         samples: how many random configurations are looked at before the climb.
         seed: the same seed gives the same ones.
+        progress: told what is being done, and which share of it is.
 
     Raises:
         UsageError: a robot has no joint with one coordinate.
         NumberError: a link's mass is negative.
     """
-    found = [worst_torques(model, neutral(model.robot), samples=samples, seed=seed) for model in (a, b)]
+    found = [
+        worst_torques(model, neutral(model.robot), samples=samples, seed=seed, progress=progress) for model in (a, b)
+    ]
     ours, theirs = (_by_joint(result, model) for result, model in zip(found, (a, b), strict=True))
     same = matching.joints
     pairs = [(name, one, theirs[same[name]]) for name, one in ours.items() if same.get(name) in theirs]

@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint wheel-check bench agreement singularities clean
+.PHONY: demo test lint wheel-check bench agreement singularities census clean
 
 demo: $(READY)
 	@$(BIN)/python benchmarks/demo.py
@@ -34,6 +34,9 @@ agreement: $(READY)
 
 singularities: $(READY)
 	$(BIN)/python docs/singularities.py
+
+census: $(READY)
+	$(BIN)/python docs/census.py
 
 clean:
 	rm -rf $(VENV) dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

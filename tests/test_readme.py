@@ -29,8 +29,8 @@ def test_examples_print_what_the_readme_shows(line, shown):
     assert ROUNDING.sub("", output(line)) == ROUNDING.sub("", shown)
 
 
-def test_there_are_nine_examples():
-    assert len(CONSOLE) == 9
+def test_there_are_ten_examples():
+    assert len(CONSOLE) == 10
 
 
 def test_the_python_of_the_readme_runs():
@@ -50,3 +50,21 @@ def test_every_command_is_in_the_readme():
     from kinetostat_cli.main import COMMANDS
 
     assert [name for name in COMMANDS if f"kinetostat {name}" not in README] == []
+
+
+def test_the_policy_of_the_readme_is_one(tmp_path):
+    from kinetostat import read_settings
+
+    (block,) = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)
+    (tmp_path / "kinetostat.toml").write_text(block)
+    (robot,) = read_settings(tmp_path / "kinetostat.toml").robots
+    assert [expectation.kind for expectation in robot.expect] == ["holds", "golden"]
+
+
+def test_the_readme_counts_rules_and_kinds_right():
+    from kinetostat.lint.registry import RULES
+    from kinetostat.policy.expectations import KINDS
+
+    assert f"asks {len(RULES)} rules" in README
+    assert len(KINDS) == 13
+    assert "Thirteen kinds" in README

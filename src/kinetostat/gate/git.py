@@ -1,48 +1,44 @@
-"""Asking git: which files have changed, and what a file was."""
+"""Asking git. It runs no hook, asks nobody, fetches nothing, takes no lock: a repository of robots is untrusted."""
 
 from __future__ import annotations
 
+import os
 import subprocess
 from pathlib import Path
 
-from kinetostat.errors import SourceError, UsageError, cut, quote
+from kinetostat.errors import SourceError, printable
 
-__all__ = ["changed_files", "git"]
+__all__ = ["ask_git"]
 
 _SECONDS = 60
+_SAFE = ("-c", "core.hooksPath=/dev/null", "-c", "core.fsmonitor=false", "-c", "protocol.allow=never")
+_QUIET = {"GIT_TERMINAL_PROMPT": "0", "GIT_OPTIONAL_LOCKS": "0", "GIT_NO_LAZY_FETCH": "1", "LC_ALL": "C"}
 
 
-def git(arguments: list[str], folder: Path) -> bytes:
-    """Return what a git command writes.
+def ask_git(words: list[str], folder: Path, *, about: str, given: bytes = b"") -> bytes | None:
+    """Return what a git command writes; None if it fails.
+
+    Args:
+        words: the command and its arguments; what users give stands behind --end-of-options or --.
+        folder: where it is run.
+        about: what the question is about, for errors.
+        given: its standard input.
 
     Raises:
-        SourceError: there is no git, no repository, or the command fails.
+        SourceError: there is no git, it does not answer, or it refuses the repository.
     """
-    # Robot repositories are untrusted: no hook, no pager, no file-system monitor of theirs is run.
-    safe = ["-c", "core.fsmonitor=false", "-c", "core.hooksPath=/dev/null", "--no-pager"]
+    command = ["git", "--no-pager", "--literal-pathspecs", *_SAFE, *words]
+    environment = {**os.environ, **_QUIET}
     try:
-        run = subprocess.run(["git", "-C", str(folder), *safe, *arguments], capture_output=True, timeout=_SECONDS)  # noqa: S603, S607, PLW1510
+        done = subprocess.run(  # noqa: S603 (a list of words, no shell)
+            command, cwd=folder, env=environment, input=given, capture_output=True, timeout=_SECONDS, check=False
+        )
     except FileNotFoundError:
-        raise SourceError("git is not installed", remedy="install git") from None
-    except subprocess.TimeoutExpired:
-        raise SourceError(f"git gave no answer within {_SECONDS} s", file=str(folder)) from None
-    if run.returncode:
-        reason = run.stderr.decode(errors="replace").strip().splitlines()
-        raise SourceError(f"git: {cut(reason[-1] if reason else 'failed', 200)}", file=str(folder))
-    return run.stdout
-
-
-def changed_files(revision: str, folder: Path) -> frozenset[Path]:
-    """Return the files that differ from a revision, untracked ones included, deleted ones too.
-
-    Raises:
-        UsageError: a revision that cannot be one.
-        SourceError: no repository, no such revision.
-    """
-    if not revision or revision.startswith("-"):
-        raise UsageError(f"{quote(revision)} is not a revision", remedy="for instance origin/main")
-    top = Path(git(["rev-parse", "--show-toplevel"], folder).decode().rstrip("\n"))
-    differing = git(["diff", "--name-only", "--no-renames", "--no-ext-diff", "-z", revision, "--"], top)
-    untracked = git(["ls-files", "--others", "--exclude-standard", "-z"], top)
-    names = [name for name in (differing + untracked).decode(errors="surrogateescape").split("\0") if name]
-    return frozenset(top.resolve() / name for name in names)
+        raise SourceError("the git program is not installed", file=about, remedy="install git, or give files") from None
+    except (OSError, subprocess.TimeoutExpired) as error:
+        message = f"git does not answer: {printable(str(error))[:100]}"
+        raise SourceError(message, file=about, remedy="give files") from None
+    if b"dubious ownership" in done.stderr:
+        remedy = "git config --global --add safe.directory FOLDER, if you trust it"
+        raise SourceError("git refuses the repository: it belongs to someone else", file=about, remedy=remedy)
+    return done.stdout if done.returncode == 0 else None

@@ -7,24 +7,21 @@ the file and what a reader looks for beside it: SRDFs; for a xacro file, all tex
 from __future__ import annotations
 
 import contextlib
-import os
 import posixpath
-import subprocess
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from kinetostat.errors import SourceError, cut, printable, quote
+from kinetostat.errors import SourceError, cut, quote
+from kinetostat.gate.git import ask_git
 from kinetostat.urdf.files import MAX_BYTES
 
 __all__ = ["Revision", "revision", "unpacked"]
 
-_SECONDS = 60
 _MOST_FILES = 5_000
 _INCLUDED = (".xacro", ".urdf", ".srdf", ".yaml", ".yml")
 _LINKS = 8  # symbolic links that are followed, one to the next
-_SAFE = ("-c", "core.hooksPath=/dev/null", "-c", "core.fsmonitor=false", "-c", "protocol.allow=never")
 
 
 @dataclass(frozen=True)
@@ -215,21 +212,8 @@ def _may_be_included(name: str) -> bool:
 
 
 def _git(wanted: Revision, folder: Path, *words: str, given: bytes = b"") -> bytes | None:
-    """Return what git writes, None if it fails. It asks nobody, fetches nothing, takes no lock."""
-    quiet = {"GIT_TERMINAL_PROMPT": "0", "GIT_OPTIONAL_LOCKS": "0", "GIT_NO_LAZY_FETCH": "1", "LC_ALL": "C"}
-    command, environment = ["git", "--no-pager", "--literal-pathspecs", *_SAFE, *words], {**os.environ, **quiet}
-    try:
-        done = subprocess.run(  # noqa: S603 (a list of words, no shell; what users give is never an option)
-            command, cwd=folder, env=environment, input=given, capture_output=True, timeout=_SECONDS, check=False
-        )
-    except FileNotFoundError:
-        raise _error(wanted, "the git program is not installed", "install git, or give files") from None
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise _error(wanted, f"git does not answer: {printable(str(error))[:100]}", "give files") from None
-    if b"dubious ownership" in done.stderr:
-        remedy = "git config --global --add safe.directory FOLDER, if you trust it"
-        raise _error(wanted, "git refuses the repository: it belongs to someone else", remedy)
-    return done.stdout if done.returncode == 0 else None
+    """Return what git writes, None if it fails."""
+    return ask_git(list(words), folder, about=cut(str(wanted)), given=given)
 
 
 def _error(wanted: Revision, message: str, remedy: str) -> SourceError:

@@ -1,4 +1,4 @@
-"""`make census`: what `check` finds in the robots of example-robot-data, counted by rule. Writes census.md beside this."""
+"""`make census`: what `check` finds in the robots of example-robot-data, by rule. Writes census.md."""
 
 from __future__ import annotations
 
@@ -31,9 +31,8 @@ some common tools refuse. An info is worth knowing. `kinetostat explain CODE` sa
 """
 
 
-def main() -> None:
-    """Check all robots and write the page."""
-    report = ks.check(["example:*"], jobs=2)
+def page(report: ks.CheckReport) -> str:
+    """Return the page for what was found."""
     findings = [(file.path, finding) for file in report.files for finding in file.findings]
     counts = Counter((finding.code, finding.severity) for _, finding in findings)
     robots = Counter((code, severity) for code, severity, _ in {(f.code, f.severity, path) for path, f in findings})
@@ -54,22 +53,25 @@ def main() -> None:
         if file.verdict is not ks.Verdict.PASS
     ]
     compared = [file.agreement for file in report.files if file.agreement is not None]
-    PAGE.write_text(
-        HEAD.format(
-            count=len(report.files),
-            data=version("example-robot-data"),
-            passed=len(report.files) - len(failures),
-            failed=len(failures),
-            agree=sum(found.agree for found in compared),
-            compared=len(compared),
-            frames=sum(found.frames for found in compared),
-            failures="\n".join(failures),
-            rules=len(RULES),
-            table="\n".join(rows),
-        ),
-        encoding="utf-8",
+    return HEAD.format(
+        count=len(report.files),
+        data=version("example-robot-data"),
+        passed=len(report.files) - len(failures),
+        failed=len(failures),
+        agree=sum(found.agree for found in compared),
+        compared=len(compared),
+        frames=sum(found.frames for found in compared),
+        failures="\n".join(failures),
+        rules=len(RULES),
+        table="\n".join(rows),
     )
-    print(f"{PAGE.name}: {len(findings)} findings of {len(report.files)} robots")
+
+
+def main() -> None:
+    """Check all robots and write the page."""
+    report = ks.check(["example:*"], jobs=2)
+    PAGE.write_text(page(report), encoding="utf-8")
+    print(f"{PAGE.name}: {sum(len(file.findings) for file in report.files)} findings of {len(report.files)} robots")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Build the wheel, install it in a clean environment away from the repository, and ask it three questions there.
+# Build the wheel, install it in a clean environment away from the repository, and ask it a few questions there.
 set -euo pipefail
 builder=$(realpath -s "$1")
 repository=$(cd "$(dirname "$0")/.." && pwd)
@@ -14,6 +14,7 @@ cd "$away"
 "$away/venv/bin/kinetostat" --version
 "$away/venv/bin/kinetostat" jacobian textbook:planar_2r -q 0.3,0.7 -F json | grep -q '"agree": true'
 "$away/venv/bin/kinetostat" jacobian example:panda -f panda_hand -q mid | grep -q 'pinocchio and screw agree'
+"$away/venv/bin/kinetostat" check example:panda | grep -q 'pinocchio, screw and yourdfpy agree'
 "$away/venv/bin/kinetostat" robots | grep -q 'textbook:puma560'
 "$away/venv/bin/python" -c 'import kinetostat, pathlib; assert (pathlib.Path(kinetostat.__file__).parent / "py.typed").is_file()'
 echo "wheel-check: the wheel answers away from the repository"

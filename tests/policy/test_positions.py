@@ -53,7 +53,11 @@ def walked(value, path=()):
 
 def test_finds_every_key_that_tomllib_reads():
     found, read = set(key_lines(TEXT)), set(walked(tomllib.loads(TEXT)))
-    assert read - found == {("robots",), ("robots", 0, "expect"), ("robots", 1, "expect")}  # lists of tables have no line
+    assert read - found == {
+        ("robots",),
+        ("robots", 0, "expect"),
+        ("robots", 1, "expect"),
+    }  # lists of tables have no line
     assert found <= read
 
 
@@ -83,7 +87,9 @@ def test_a_key_that_is_not_there_is_where_its_table_is():
 
 values = st.recursive(
     st.integers(-9, 9) | st.booleans() | st.text(st.characters(codec="utf-8", exclude_categories=["C"]), max_size=6),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text("ab.=[ #'", min_size=1, max_size=4), inner, max_size=3),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text("ab.=[ #'", min_size=1, max_size=4), inner, max_size=3)
+    ),
     max_leaves=8,
 )
 

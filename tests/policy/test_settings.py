@@ -149,7 +149,9 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path, case):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("case", [c for c in REFUSED if REFUSED[c][0].startswith(("[check]", ROBOT)) and "TOML" not in REFUSED[c][2]])
+@pytest.mark.parametrize(
+    "case", [c for c in REFUSED if REFUSED[c][0].startswith(("[check]", ROBOT)) and "TOML" not in REFUSED[c][2]]
+)
 def test_pyproject_refuses_the_same_on_its_own_lines(tmp_path, case):
     text, line, message, _ = REFUSED[case]
     text = text.replace("[check]", "[tool.kinetostat.check]").replace("[[robots", "[[tool.kinetostat.robots")

@@ -89,7 +89,8 @@ def check(
     )
     tasks = tasks_of([str(path) for path in paths], settings, chosen)
     if changed_since is not None:
-        everything = list(folder.glob("*.toml"))
+        named = {getattr(one, "file", "") for task in tasks for one in task.expectations} - {""}
+        everything = [*folder.glob("*.toml"), *(folder / name for name in named)]
         kept = set(touched([task.name for task in tasks], changed_since, everything))
         tasks = tuple(task for task in tasks if task.name in kept)
     known_file = _baseline(baseline, settings, folder)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ from kinetostat.analysis.joint_values import listed
 from kinetostat.analysis.kinematics import fk
 from kinetostat.conventions import Array, Order
 from kinetostat.engines.model import Model
-from kinetostat.errors import UsageError, cut, quote
+from kinetostat.errors import UsageError, cut, printable, quote
 from kinetostat.policy.judging.files import text_beside
 from kinetostat.policy.judging.found import Found, agreed, witness
 from kinetostat.policy.kinds.poses import Golden
@@ -112,12 +113,24 @@ class _Stored:
 
     def command(self) -> str:
         """Return the command that renews the file: it reads the configuration from it before it writes."""
-        result, name = self.result, cut(self._name)
         observer, frame = self.frames()
-        parts = [f"kinetostat {self.schema.split('/')[1]} ROBOT -f {cut(frame)} --relative-to {cut(observer)}"]
-        if "reference" in result:
-            parts.append(f"--reference {self.word('reference')}")
-        return " ".join([*parts, f"-q @{name} -F json -o {name}"])
+        words = ["kinetostat", self.schema.split("/")[1], "ROBOT", "-f", frame, "--relative-to", observer]
+        if "reference" in self.result:
+            words += self._asked()
+        return shlex.join(printable(word) for word in [*words, "-q", f"@{self._name}", "-F", "json", "-o", self._name])
+
+    def _asked(self) -> list[str]:
+        """Return the options that a Jacobian was asked by."""
+        reference, point, rates = self.word("reference"), self.point(), self.sequence()
+        words = ["--reference", reference]
+        if rates is None:  # else the axes are the observer's
+            words += ["--expressed-in", self.word("expressed_in")]
+        if point is not None and any(point):
+            words += ["--point", ",".join(map(repr, point))]
+        if rates is not None:
+            words += ["--rates", rates]
+        order = str(self.result.get("order", Order.LINEAR_FIRST.value))
+        return words if order == Order.LINEAR_FIRST else [*words, "--order", order]
 
 
 def _placement(model: Model, stored: _Stored, q: Array) -> tuple[float, str]:

@@ -66,5 +66,5 @@ def test_the_readme_counts_rules_and_kinds_right():
     from kinetostat.policy.expectations import KINDS
 
     assert f"asks {len(RULES)} rules" in README
-    assert len(KINDS) == 13
-    assert "Thirteen kinds" in README
+    assert len(KINDS) == 14
+    assert "Fourteen kinds" in README

@@ -20,9 +20,9 @@ from trees import load_text
 ARM = {"mass", "joint-limits", "worst-gravity-torque", "degrees-of-freedom", "reach", "smallest-singular-value"}
 ROBOTS = {
     "example:ur5_robot": (ARM, {"tool0"}),
-    "example:panda": (ARM, {"panda_hand_tcp"}),
+    "example:panda": (ARM | {"mimic"}, {"panda_hand_tcp"}),
     "example:baxter": (
-        (ARM | {"symmetry"}) - {"worst-gravity-torque"},
+        (ARM | {"symmetry", "mimic"}) - {"worst-gravity-torque"},
         {"right_gripper_base_link", "left_gripper_base_link"},
     ),
     "example:solo12": (ARM | {"symmetry"}, {"FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT"}),
@@ -98,7 +98,11 @@ def test_hostile_names_break_no_line(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "given", ["", 'quotes " and \\', "tab\t and line\n", "\x7f\x00\x1b", "\U0001f600 \xe9", True, 3, 0.1, 1e-6, 1e300, ("a", "b"), (1.5, 2), {"a b": "c"}]
+    "given",
+    [
+        "", 'quotes " and \\', "tab\t and line\n", "\x7f\x00\x1b", "\U0001f600 \xe9", True, 3, 0.1, 1e-6, 1e300,
+        ("a", "b"), (1.5, 2), {"a b": "c"},
+    ],
 )  # fmt: skip
 def test_values_are_read_back(given):
     read = tomllib.loads(f"x = {value(given)}")["x"]

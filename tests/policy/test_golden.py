@@ -65,7 +65,7 @@ def test_a_tool_frame_that_is_moved_by_two_millimetres(tmp_path):
 def test_a_longer_link_is_noticed_and_the_command_that_is_told_renews_the_file(tmp_path, monkeypatch, question):
     store(tmp_path, question)
     before = json.loads((tmp_path / "golden.json").read_text())
-    longer = moved(0.01)
+    longer = load_text(ARM.replace('<origin xyz="1 0 0"/>', '<origin xyz="1.01 0 0"/>'))  # of joint3 and of the tool
     (tmp_path / "arm.urdf").write_bytes(longer.loaded.source.data)
     outcome = judged(tmp_path, longer, LINES)
     assert outcome.met is False
@@ -101,7 +101,8 @@ BROKEN = {
     "a joint that is gone": '{"schema": "kinetostat/fk/1", "configuration": {"elbow": 1}, "result": {}}',
     "a position that is a table": '{"schema": "kinetostat/fk/1", "configuration": {"joint1": {}}, "result": {}}',
     "a huge position": '{"schema": "kinetostat/fk/1", "configuration": {"joint1": 1e400}, "result": {}}',
-    "a huge whole position": f'{{"schema": "kinetostat/fk/1", "configuration": {{"joint1": {"9" * 400}}}, "result": {{}}}}',
+    "a huge whole position": '{"schema": "kinetostat/fk/1", "configuration": {"joint1": 1%s}, "result": {}}'
+    % ("0" * 400),
 }
 
 

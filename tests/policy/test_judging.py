@@ -35,7 +35,8 @@ class TestDexterity:
     @pytest.mark.parametrize("q2", [0.4, 1.3, 2.9])
     @pytest.mark.parametrize(("factor", "met"), [(0.999, True), (1.001, False)])
     def test_smallest_singular_value(self, tmp_path, q2, factor, met):
-        lines = f'kind = "smallest-singular-value"\nrows = "translation"\nat = [0.2, {q2}]\nat-least = {factor * stretched(q2)}'
+        wanted = factor * stretched(q2)
+        lines = f'kind = "smallest-singular-value"\nrows = "translation"\nat = [0.2, {q2}]\nat-least = {wanted}'
         outcome = judged(tmp_path, textbook("planar_2r"), lines)
         assert outcome.met is met
         assert f"{stretched(q2):.6g} m/rad" in outcome.found
@@ -304,6 +305,34 @@ class TestStructure:
         assert (outcome.met, outcome.found) == (False, "2: one, two")
 
     @pytest.mark.parametrize(
+        ("mimic", "met", "found"),
+        [
+            ('joint="one"', True, "1 times 'one'"),
+            ('joint="one" multiplier="-1"', False, "-1 times 'one'"),
+            ('joint="one" offset="0.1"', False, "1 times 'one' +0.1"),
+            ('joint="third"', False, "1 times 'third'"),
+            (None, False, "'two' follows no joint"),
+        ],
+    )
+    def test_who_follows_whom(self, tmp_path, mimic, met, found):
+        third = '<joint name="third" type="continuous"><parent link="tip"/><child link="c"/></joint></robot>'
+        text = MIMICKED.replace("</robot>", '<link name="c"/>' + third)
+        text = text.replace('<mimic joint="one"/>', f"<mimic {mimic}/>" if mimic else "")
+        outcome = judged(tmp_path, load_text(text), 'kind = "mimic"\njoint = "two"\nleader = "one"')
+        assert (outcome.met, outcome.found) == (met, found)
+
+    def test_a_chain_of_followers_is_followed(self, tmp_path):
+        third = (
+            '<link name="c"/><joint name="third" type="continuous"><parent link="tip"/><child link="c"/>'
+            '<mimic joint="two" multiplier="3" offset="1"/></joint></robot>'
+        )
+        arm = load_text(MIMICKED.replace("</robot>", third).replace('"one"/>', '"one" multiplier="2" offset="0.5"/>'))
+        lines = 'kind = "mimic"\njoint = "third"\n'
+        assert judged(tmp_path, arm, lines + 'leader = "two"\nmultiplier = 3\noffset = 1').met is True
+        assert judged(tmp_path, arm, lines + 'leader = "one"\nmultiplier = 6\noffset = 2.5').met is True
+        assert judged(tmp_path, arm, lines + 'leader = "one"\nmultiplier = 3\noffset = 1').met is False
+
+    @pytest.mark.parametrize(
         ("line", "met"),
         [("at-least = 6.4", True), ("at-least = 6.41", False), ("at-most = 6.4", True), ("at-most = 6.39", False)],
     )
@@ -325,20 +354,26 @@ def parallel(count):
 
 TWO_ARMS = """
 <robot name="two"><link name="base"/>
-<link name="left_arm"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="left_arm"><inertial><mass value="2"/>
+  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <link name="left_hand"/><link name="left_tip"/>
-<link name="right_arm"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="right_arm"><inertial><mass value="2"/>
+  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <link name="right_hand"/><link name="right_tip"/>
 <joint name="left_shoulder" type="revolute"><parent link="base"/><child link="left_arm"/>
-  <origin xyz="0.1 0.2 1" rpy="0.3 0 0"/><axis xyz="0 1 0"/><limit lower="-1" upper="2" effort="5" velocity="1"/></joint>
+  <origin xyz="0.1 0.2 1" rpy="0.3 0 0"/><axis xyz="0 1 0"/>
+  <limit lower="-1" upper="2" effort="5" velocity="1"/></joint>
 <joint name="left_elbow" type="revolute"><parent link="left_arm"/><child link="left_hand"/>
-  <origin xyz="0.3 0.1 0" rpy="0 0 0.4"/><axis xyz="1 0 0"/><limit lower="-0.5" upper="1.5" effort="3" velocity="1"/></joint>
+  <origin xyz="0.3 0.1 0" rpy="0 0 0.4"/><axis xyz="1 0 0"/>
+  <limit lower="-0.5" upper="1.5" effort="3" velocity="1"/></joint>
 <joint name="left_slide" type="prismatic"><parent link="left_hand"/><child link="left_tip"/>
   <origin xyz="0.2 0 0"/><axis xyz="0 1 0"/><limit lower="0" upper="0.1" effort="2" velocity="1"/></joint>
 <joint name="right_shoulder" type="revolute"><parent link="base"/><child link="right_arm"/>
-  <origin xyz="0.1 -0.2 1" rpy="-0.3 0 0"/><axis xyz="0 1 0"/><limit lower="-1" upper="2" effort="5" velocity="1"/></joint>
+  <origin xyz="0.1 -0.2 1" rpy="-0.3 0 0"/><axis xyz="0 1 0"/>
+  <limit lower="-1" upper="2" effort="5" velocity="1"/></joint>
 <joint name="right_elbow" type="revolute"><parent link="right_arm"/><child link="right_hand"/>
-  <origin xyz="0.3 -0.1 0" rpy="0 0 -0.4"/><axis xyz="1 0 0"/><limit lower="-1.5" upper="0.5" effort="3" velocity="1"/></joint>
+  <origin xyz="0.3 -0.1 0" rpy="0 0 -0.4"/><axis xyz="1 0 0"/>
+  <limit lower="-1.5" upper="0.5" effort="3" velocity="1"/></joint>
 <joint name="right_slide" type="prismatic"><parent link="right_hand"/><child link="right_tip"/>
   <origin xyz="0.2 0 0"/><axis xyz="0 1 0"/><limit lower="-0.1" upper="0" effort="2" velocity="1"/></joint>
 </robot>
@@ -389,9 +424,9 @@ class TestSymmetry:
 
     def test_a_joint_may_turn_the_other_way(self, tmp_path):
         # The right elbow turns about -x: it then moves as the left one does, and so do its limits.
-        elbow = '"0 0 -0.4"/><axis xyz="1 0 0"/><limit lower="-1.5" upper="0.5"'
+        elbow = '"0 0 -0.4"/><axis xyz="1 0 0"/>\n  <limit lower="-1.5" upper="0.5"'
         assert elbow in TWO_ARMS
-        turned = TWO_ARMS.replace(elbow, '"0 0 -0.4"/><axis xyz="-1 0 0"/><limit lower="-0.5" upper="1.5"')
+        turned = TWO_ARMS.replace(elbow, '"0 0 -0.4"/><axis xyz="-1 0 0"/>\n  <limit lower="-0.5" upper="1.5"')
         assert judged(tmp_path, load_text(turned), SYMMETRY).met is True
 
     def test_frames_may_be_named_otherwise_by_quarter_turns_alone(self, tmp_path):
@@ -424,18 +459,20 @@ EVERY = {
     "degrees-of-freedom": "equals = 2",
     "mass": "at-least = 1",
     "joint-limits": 'joints = ["joint1"]\neffort-at-least = 1',
+    "mimic": 'joint = "joint2"\nleader = "joint1"',
     "golden": 'file = "golden.json"',
     "symmetry": 'left = "tool"\nright = "link2"',
 }
+
+
+FRAMELESS = ("mass", "joint-limits", "mimic", "golden", "symmetry")
 
 
 class TestNotJudged:
     def test_every_kind_is_tried_here(self):
         assert set(EVERY) == set(KINDS)
 
-    @pytest.mark.parametrize(
-        "kind", [kind for kind in EVERY if kind not in ("mass", "joint-limits", "golden", "symmetry")]
-    )
+    @pytest.mark.parametrize("kind", [kind for kind in EVERY if kind not in FRAMELESS])
     def test_no_such_frame(self, tmp_path, kind):
         outcome = judged(tmp_path, textbook("planar_2r"), f'kind = "{kind}"\nframe = "tol"\n{EVERY[kind]}')
         assert outcome.met is None
@@ -447,6 +484,7 @@ class TestNotJudged:
         ("lines", "why"),
         [
             ('kind = "joint-limits"\njoints = ["joint9"]\neffort-at-least = 1', "no joint 'joint9'"),
+            ('kind = "mimic"\njoint = "joint9"\nleader = "joint1"', "no joint 'joint9'"),
             ('kind = "symmetry"\nleft = "tool"\nright = "toool"', "no frame 'toool'"),
             ('kind = "symmetry"\nleft = "tool"\nright = "link2"', "no joint moves"),
             ('kind = "manipulability"\nat-least = 1\nat = "home"', "no configuration 'home'"),
@@ -469,7 +507,7 @@ class TestNotJudged:
         assert outcome.met is None
         assert "'left_tip', 'right_tip'" in outcome.found
 
-    @pytest.mark.parametrize("kind", [kind for kind in EVERY if kind not in ("joint-limits", "golden")])
+    @pytest.mark.parametrize("kind", [kind for kind in EVERY if kind not in ("joint-limits", "mimic", "golden")])
     def test_engines_that_disagree_are_no_pass(self, tmp_path, kind):
         model = load_text(TWO_ARMS.replace('"base"/>', '"base"/><link name="spare"/>', 1).replace(
             "</robot>", '<joint name="spare" type="fixed"><parent link="base"/><child link="spare"/></joint></robot>'
@@ -525,7 +563,7 @@ STATES = """
 <robot name="planar_2r">
   <group name="arm"><chain base_link="base" tip_link="tool"/></group>
   <group name="upper"><joint name="joint1"/></group>
-  <group_state name="bent" group="arm"><joint name="joint1" value="0.1"/><joint name="joint2" value="1.5"/></group_state>
+  <group_state name="bent" group="arm"><joint name="joint1" value="1"/><joint name="joint2" value="1.5"/></group_state>
   <group_state name="zero" group="arm"><joint name="joint2" value="0.5"/></group_state>
   <group_state name="twice" group="arm"><joint name="joint1" value="0"/><joint name="joint2" value="1"/></group_state>
   <group_state name="twice" group="upper"><joint name="joint1" value="1"/></group_state>
@@ -542,7 +580,7 @@ class TestStates:
         return ks.load("textbook:planar_2r", srdf=path)
 
     def test_all_states_are_asked_and_no_word_of_ours_stands_in_for_one(self, tmp_path, arm):
-        # sin of the elbow: 0.997, 0.479 ("zero" is a state here), 0.841, 0 and 0 (of groups that contradict, and turned).
+        # sin of the elbow: 0.997; 0.479 ("zero" is a state here); 0.841 and 0, of groups that contradict; 0.
         lines = 'kind = "manipulability"\nrows = "x y"\nat = "states"\nat-least = {}'
         outcome = judged(tmp_path, arm, lines.format(0.5))
         assert outcome.met is False

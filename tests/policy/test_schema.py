@@ -20,8 +20,8 @@ SHIPPED = json.loads(schema.SHIPPED.read_text())
 VALIDATOR = jsonschema.Draft202012Validator(SHIPPED)
 # What the schema cannot say: it needs two keys, or the robot's words.
 BEYOND = {
-    "no bound", "bounds the wrong way round", "limits of nothing", "words and numbers", "an axis", "a pose", "poses twice",
-    "nothing to hold", "nan", "inf in a list", "a number that no float holds", "half a sample",
+    "no bound", "bounds the wrong way round", "limits of nothing", "words and numbers", "an axis", "a pose",
+    "poses twice", "nothing to hold", "nan", "inf in a list", "a number that no float holds", "half a sample",
 }  # fmt: skip
 
 

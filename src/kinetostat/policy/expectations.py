@@ -6,7 +6,7 @@ from kinetostat.policy.kinds.common import Kind
 from kinetostat.policy.kinds.dexterity import InverseCondition, Manipulability, SingularDistance, SmallestSingularValue
 from kinetostat.policy.kinds.efforts import Holds, JointLimits, WorstGravity
 from kinetostat.policy.kinds.poses import Golden, Reach, Reaches, Symmetry
-from kinetostat.policy.kinds.structure import Mass, Mobility
+from kinetostat.policy.kinds.structure import Follower, Mass, Mobility
 
 __all__ = ["KINDS", "Expectation"]
 
@@ -21,6 +21,7 @@ Expectation = (
     | Reach
     | Mobility
     | Mass
+    | Follower
     | JointLimits
     | Golden
     | Symmetry

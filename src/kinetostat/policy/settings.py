@@ -35,6 +35,12 @@ def find_settings(start: Path) -> Path | None:
 
     `kinetostat.toml`, or pyproject.toml with a table `[tool.kinetostat]`, in the folder or in one above it, up to the
     root of the repository (a folder with `.git`) or of the file system; the nearest.
+
+    Args:
+        start: the file or folder.
+
+    Raises:
+        Nothing: a file that cannot be read is not looked at further.
     """
     here = _absolute(start)
     folder = here if here.is_dir() else here.parent
@@ -65,6 +71,9 @@ def _is_ours(project: Path) -> bool:
 
 def read_settings(path: Path) -> Settings:
     """Read a settings file: kinetostat.toml, or pyproject.toml with a table `[tool.kinetostat]`.
+
+    Args:
+        path: the file.
 
     Raises:
         UsageError: it cannot be read, is not TOML, or a key or value in it is none of ours; with the line.

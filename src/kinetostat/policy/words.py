@@ -19,6 +19,7 @@ __all__ = [
     "check_rows",
     "counted",
     "frame",
+    "law",
     "load",
     "name",
     "names",
@@ -64,6 +65,11 @@ def bounds(at_least: float | None, at_most: float | None, unit: str = "") -> str
 def counted(count: int, what: str) -> str:
     """Return how many."""
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
+def law(leader: str, multiplier: float, offset: float) -> str:
+    """Return how a joint follows its leader."""
+    return f"{multiplier:.6g} times {name(leader)}" + (f" {offset:+.6g}" if offset else "")
 
 
 def load(payload: float, wrench: Sequence[float] | None) -> str:

@@ -19,7 +19,7 @@ from kinetostat.policy.judging.dexterity import measured
 from kinetostat.policy.kinds.dexterity import SmallestSingularValue
 from kinetostat.policy.kinds.efforts import JointLimits, WorstGravity
 from kinetostat.policy.kinds.poses import Reach, Symmetry
-from kinetostat.policy.kinds.structure import Mass, Mobility
+from kinetostat.policy.kinds.structure import Follower, Mass, Mobility
 from kinetostat.urdf.description import Joint, Robot
 
 __all__ = ["Proposal", "proposals"]
@@ -53,6 +53,7 @@ def proposals(model: Model) -> Iterator[Proposal]:
     frames = main_frames(robot)
     yield from _mass(model)
     yield from _limits(robot)
+    yield from _followers(robot)
     yield from _worst(model)
     for frame in frames:
         yield from _chain(model, frame)
@@ -89,6 +90,18 @@ def _limits(robot: Robot) -> Iterator[Proposal]:
         remark = ""
     if len(groups) > _MOST_GROUPS:
         yield Proposal(f"Joints have {len(groups) - _MOST_GROUPS} other pairs of limits.")
+
+
+def _followers(robot: Robot) -> Iterator[Proposal]:
+    """Yield that followers go on following."""
+    remark = "Who follows whom."
+    laws = [(joint.name, joint.mimic) for joint in robot.joints if joint.mimic is not None]
+    for name, law in laws[:_MOST_GROUPS]:
+        follower = Follower(joint=name, leader=law.joint, multiplier=law.multiplier, offset=law.offset)
+        yield Proposal(remark, follower)
+        remark = ""
+    if len(laws) > _MOST_GROUPS:
+        yield Proposal(f"{len(laws) - _MOST_GROUPS} other joints follow.")
 
 
 def _stated(limit: float | None) -> float | None:

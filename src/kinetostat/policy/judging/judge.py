@@ -33,6 +33,7 @@ _JUDGES = {
     "symmetry": ("symmetry", "symmetry"),
     "degrees-of-freedom": ("structure", "degrees_of_freedom"),
     "mass": ("structure", "mass"),
+    "mimic": ("structure", "mimic"),
 }
 
 

@@ -9,11 +9,12 @@ import numpy as np
 from kinetostat.analysis.crosscheck import certified
 from kinetostat.analysis.joint_values import listed
 from kinetostat.engines.model import Model
+from kinetostat.errors import quote, unknown_name
 from kinetostat.policy import words
 from kinetostat.policy.judging.found import Found, above, agreed, below, ends
-from kinetostat.policy.kinds.structure import Mass, Mobility
+from kinetostat.policy.kinds.structure import Follower, Mass, Mobility
 
-__all__ = ["degrees_of_freedom", "mass"]
+__all__ = ["degrees_of_freedom", "mass", "mimic"]
 
 _SAMPLES, _SEED = 32, 0  # random configurations, the largest rank of which is that of almost every one
 _ZERO = 1e-5  # of the largest singular value: what a file that writes 1.5708 for pi/2 makes of a zero
@@ -60,3 +61,18 @@ def mass(model: Model, asked: Mass, folder: Path) -> Found:  # noqa: ARG001
     low = asked.at_least is None or above(found, asked.at_least)
     high = asked.at_most is None or below(found, asked.at_most)
     return Found(low and high, f"{found:.6g} kg")
+
+
+def mimic(model: Model, asked: Follower, folder: Path) -> Found:  # noqa: ARG001
+    """Judge whom a joint follows, and how: as the file says, or through the joints in between."""
+    robot = model.robot
+    for name in (asked.joint, asked.leader):
+        if name not in robot.joint_by_name:
+            raise unknown_name("joint", name, robot.joint_by_name)
+    law = robot.joint_by_name[asked.joint].mimic
+    if law is None:
+        return Found(False, f"{quote(asked.joint)} follows no joint")
+    if law.joint != asked.leader:
+        law = robot.followers[asked.joint]
+    near = max(abs(law.multiplier - asked.multiplier), abs(law.offset - asked.offset)) <= asked.tolerance
+    return Found(law.joint == asked.leader and near, words.law(law.joint, law.multiplier, law.offset))

@@ -9,7 +9,7 @@ from msgspec import Meta
 from kinetostat.policy import words
 from kinetostat.policy.kinds.common import Kind, NotNegative, OfFrame
 
-__all__ = ["Mass", "Mobility"]
+__all__ = ["Follower", "Mass", "Mobility"]
 
 
 class Mobility(OfFrame, frozen=True, kw_only=True, tag="degrees-of-freedom"):
@@ -52,3 +52,23 @@ class Mass(Kind, frozen=True, kw_only=True, tag="mass"):
     def wanted(self) -> str:
         """What is wanted."""
         return words.bounds(self.at_least, self.at_most, "kg")
+
+
+class Follower(Kind, frozen=True, kw_only=True, tag="mimic"):
+    """A joint follows another one: its position is multiplier times the leader's, plus offset."""
+
+    joint: Annotated[str, Meta(description="The joint that follows.")]
+    leader: Annotated[str, Meta(description="The joint that it follows, at once or through others that follow.")]
+    multiplier: Annotated[float, Meta(description="Positions of the follower to those of the leader.")] = 1.0
+    offset: Annotated[float, Meta(description="Where it is when its leader is at zero, rad or m.")] = 0.0
+    tolerance: Annotated[float, Meta(ge=0, description="What the two numbers may differ by.")] = 1e-9
+
+    @property
+    def title(self) -> str:
+        """Which joint follows which."""
+        return f"{words.name(self.joint)} follows {words.name(self.leader)}"
+
+    @property
+    def wanted(self) -> str:
+        """What is wanted."""
+        return words.law(self.leader, self.multiplier, self.offset)

@@ -31,7 +31,7 @@ def test_every_exported_name_has_a_docstring(name):
 def test_public_functions_say_what_they_raise(name):
     function = getattr(kinetostat, name)
     doc = inspect.getdoc(function)
-    if name != "random_configurations":  # it raises nothing
+    if name not in ("random_configurations", "find_settings"):  # they raise nothing
         assert "Raises:" in doc
     for parameter in inspect.signature(function).parameters:
         assert parameter in doc, f"{name} does not mention {parameter}"

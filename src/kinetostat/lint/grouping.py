@@ -1,19 +1,82 @@
-"""One thing that occurs many times is one finding: how it is counted and shown."""
+"""Many findings of one cause are one finding: how they are folded, counted and listed, for all families."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 
 from kinetostat.errors import quote
+from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.rule import Rule
+from kinetostat.urdf.document import Element
 
-__all__ = ["FEW", "listed", "times"]
+__all__ = ["FEW", "Found", "also", "grouped", "listed", "times"]
 
-FEW = 3  # findings of one kind that are told one by one; beyond it they are counted
+FEW = 3  # findings of one kind that are told one by one, and names that are listed; beyond it they are counted
+_LONGEST = 40  # characters of a name in a list
 
 
-def listed(names: Collection[str], few: int = FEW) -> str:
+@dataclass(frozen=True)
+class Found:
+    """One thing found.
+
+    Attributes:
+        at: the element that the finding points at.
+        name: of the link, joint or file that it is about, by which it is listed.
+        message: what is said of it.
+        attribute: the attribute that it is about; may be empty.
+    """
+
+    at: Element
+    name: str
+    message: str
+    attribute: str = ""
+
+
+def grouped(
+    rule: Rule,
+    found: Sequence[Found],
+    *,
+    what: str,
+    few: int = FEW,
+    severity: Severity | None = None,
+    hint: str | None = None,
+    file: str = "",
+) -> Iterator[Finding]:
+    """Yield a finding for each of a few, or one at the first for all of them: many have one reason.
+
+    Args:
+        rule: whose findings they are.
+        found: what was found, in the order of the file.
+        what: what their names are names of, such as "joint".
+        few: up to how many are told one by one.
+        severity: if it is not the rule's.
+        hint: if it is not the rule's.
+        file: the file of the elements, if it is not the robot's own.
+    """
+    together = len(found) > few
+    others = [each.name for each in found[1:] if each.name != found[0].name] if together else []
+    for each in found[:1] if together else found:
+        yield rule.finding(
+            each.at,
+            each.message + also(others, what),
+            severity=severity,
+            hint=hint,
+            attribute=each.attribute,
+            file=file,
+        )
+
+
+def also(others: Collection[str], what: str) -> str:
+    """Return the end of a message that says what else it holds for: `; likewise 2 more joints: 'a', 'b'`."""
+    if not others:
+        return ""
+    return f"; likewise {len(others)} more {what if len(others) == 1 else f'{what}s'}: {listed(others)}"
+
+
+def listed(names: Collection[str]) -> str:
     """Return the first names, quoted, and how many more there are: `'a', 'b', 'c' and 9 more`."""
-    shown = [quote(name) for name, _ in zip(names, range(few), strict=False)]
+    shown = [quote(name, _LONGEST) for name, _ in zip(names, range(FEW), strict=False)]
     more = len(names) - len(shown)
     return ", ".join(shown) + (f" and {more} more" if more else "")
 

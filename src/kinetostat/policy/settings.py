@@ -38,9 +38,6 @@ def find_settings(start: Path) -> Path | None:
 
     Args:
         start: the file or folder.
-
-    Raises:
-        Nothing: a file that cannot be read is not looked at further.
     """
     here = _absolute(start)
     folder = here if here.is_dir() else here.parent

@@ -11,6 +11,7 @@ from kinetostat.analysis.agreement import Agreement, Disagreement
 from kinetostat.errors import cut, printable
 from kinetostat.gate.result import CheckReport, FileCheck, Verdict
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.registry import RULES
 from kinetostat.policy.outcome import Outcome
 
 __all__ = [
@@ -167,9 +168,24 @@ def skipped_by_reason(file: FileCheck, *, all_codes: bool = True) -> dict[str, s
     for code, reason in file.skipped.items():
         found.setdefault(printable(reason), []).append(printable(code))
     return {
-        reason: ", ".join(codes) if all_codes or len(codes) <= _MOST_CODES else counted(len(codes), "rule")
+        reason: _runs(codes) if all_codes or len(codes) <= _MOST_CODES else counted(len(codes), "rule")
         for reason, codes in found.items()
     }
+
+
+def _runs(codes: list[str]) -> str:
+    """Return codes in a line; three or more that follow each other in the registry as the first to the last."""
+    order = {rule.code: i for i, rule in enumerate(RULES)}
+    runs: list[list[str]] = []
+    for code in codes:
+        last = runs[-1][-1] if runs else ""
+        follows = code in order and order.get(last) == order[code] - 1
+        if follows:
+            runs[-1].append(code)
+        else:
+            runs.append([code])
+    parts = [[f"{run[0]} to {run[-1]}"] if len(run) > 2 else run for run in runs]
+    return ", ".join(part for run in parts for part in run)
 
 
 def encodable(text: str) -> str:

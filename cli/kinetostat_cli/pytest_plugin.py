@@ -96,7 +96,10 @@ def _checked(path: Path, root: Path) -> CheckReport:
 
 @pytest.fixture
 def robot(request: pytest.FixtureRequest) -> Model:
-    """The robot that the test's mark names: `@pytest.mark.robot("arm.urdf")`, relative to the test's file."""
+    """The robot that the test's mark names: `@pytest.mark.robot("arm.urdf")`.
+
+    The path starts from the test's file, else from pytest's root folder.
+    """
     import kinetostat
 
     mark = request.node.get_closest_marker("robot")
@@ -105,4 +108,7 @@ def robot(request: pytest.FixtureRequest) -> Model:
     name = str(mark.args[0])
     if name.startswith(("example:", "textbook:")):
         return kinetostat.load(name)
-    return kinetostat.load(request.path.parent / name)
+    beside, below = request.path.parent / name, request.config.rootpath / name
+    if not beside.exists() and not below.exists():
+        pytest.fail(f"there is no {name} in {beside.parent}, nor in {request.config.rootpath}", pytrace=False)
+    return kinetostat.load(beside if beside.exists() else below)

@@ -107,14 +107,54 @@ def test_settings_beside_it(cli, here):
     assert cli("check", "bad.urdf").code == 0
 
 
-def test_the_robots_that_settings_name(cli, here):
-    (here / "kinetostat.toml").write_text('[[robots]]\npath = "good.urdf"\n[[robots]]\npath = "bad.urdf"\n')
+def test_a_robot_that_settings_name_and_that_is_not_there(cli, here):
+    (here / "kinetostat.toml").write_text('[[robots]]\npath = "gone.urdf"\n')
+    found = cli("check", "good.urdf")
+    assert found.code == 3
+    assert "gone.urdf: there is no such file or folder, though the settings name it" in found.err
+
+
+def test_without_a_path_everything_below_is_checked(cli, here):
+    found = cli("check", "-F", "json", "--no-settings")
+    assert [file["path"] for file in json.loads(found.out)["result"]["files"]] == ["bad.urdf", "good.urdf", "text.urdf"]
+    (here / "sub").mkdir()
+    (here / "sub" / "new.urdf").write_text(GOOD)
+    (here / "kinetostat.toml").write_text('[[robots]]\npath = "good.urdf"\n[[robots]]\npath = "textbook:planar_2r"\n')
     found = cli("check", "-F", "json")
-    assert [file["path"] for file in json.loads(found.out)["result"]["files"]] == ["good.urdf", "bad.urdf"]
+    paths = [file["path"] for file in json.loads(found.out)["result"]["files"]]
+    assert paths == ["bad.urdf", "good.urdf", "text.urdf", "sub/new.urdf", "textbook:planar_2r"]
 
 
-def test_nothing_to_check_is_no_pass(cli, here):
-    assert cli("check", "--no-settings").code == 2
+def test_settings_are_found_from_the_path_that_is_checked(cli, here, monkeypatch, tmp_path_factory):
+    (here / "kinetostat.toml").write_text('[check]\nignore = ["J103"]\n')
+    monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
+    assert cli("check", here / "bad.urdf").code == 0
+    assert cli("check", here / "bad.urdf", "--no-settings").code == 1
+
+
+def test_a_baseline_is_renewed_and_keeps_what_was_not_checked(cli, here):
+    (here / "kinetostat.toml").write_text('[check]\nbaseline = "known.json"\n')
+    (here / "worse.urdf").write_text(SWAPPED)
+    assert cli("check", "bad.urdf", "worse.urdf", "--write-baseline", "known.json").code == 0
+    for _ in range(2):
+        assert cli("check", "bad.urdf", "--write-baseline", "known.json").code == 0
+        assert cli("check", "bad.urdf", "worse.urdf").code == 0
+    (here / "other.txt").write_text("not ours")
+    assert cli("check", "bad.urdf", "--write-baseline", "other.txt").code == 2
+    assert (here / "other.txt").read_text() == "not ours"
+
+
+def test_an_srdf_is_no_robot(cli, here):
+    (here / "good.srdf").write_text('<robot name="good"/>')
+    found = cli("check", "good.srdf")
+    assert found.code == 3
+    assert "SRDF" in found.err
+
+
+def test_nothing_to_check_is_no_pass(cli, here, monkeypatch, tmp_path_factory):
+    monkeypatch.chdir(tmp_path_factory.mktemp("empty"))
+    assert cli("check", "--no-settings").code == 3
+    monkeypatch.chdir(here)
     assert cli("check", "nothing.urdf").code == 3
 
 
@@ -132,7 +172,7 @@ def test_an_expectation_that_is_not_met_fails_with_its_witness(cli, here):
     (here / "kinetostat.toml").write_text(
         '[[robots]]\npath = "good.urdf"\n[[robots.expect]]\nkind = "mass"\nat-most = 0.5\n'
     )
-    found = cli("check", "-F", "json")
+    found = cli("check", "good.urdf", "-F", "json")
     assert found.code == 1
     (outcome,) = json.loads(found.out)["result"]["files"][0]["policy"]
     assert outcome["met"] is False

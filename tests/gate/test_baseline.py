@@ -1,5 +1,7 @@
 """Known findings do not count, and only those."""
 
+from dataclasses import replace
+
 import pytest
 
 import kinetostat as ks
@@ -40,15 +42,32 @@ def test_a_second_one_of_the_same_kind_is_new(tmp_path):
     assert [f.line for f in new.findings] == [4]
 
 
-def test_other_files_elements_codes_and_messages_are_new(tmp_path):
+def test_other_files_elements_and_codes_are_new(tmp_path):
     old = known(tmp_path, checked(finding(3, "wrong")))
     others = [
         checked(finding(3, "wrong"), path="robots/leg.urdf"),
         checked(finding(3, "wrong", element="<joint name='b'>")),
         checked(finding(3, "wrong", code="J101")),
-        checked(finding(3, "worse")),
     ]
-    assert [len(without_known(other, old, tmp_path).findings) for other in others] == [1, 1, 1, 1]
+    assert [len(without_known(other, old, tmp_path).findings) for other in others] == [1, 1, 1]
+
+
+def test_one_that_stands_for_several_is_known_whichever_comes_first(tmp_path):
+    old = known(tmp_path, checked(replace(finding(3, "72 links have it"), several=True)))
+    one_less = replace(finding(9, "71 links have it", element="<joint name='b'>"), several=True)
+    assert without_known(checked(one_less), old, tmp_path).findings == ()
+    assert (
+        len(without_known(checked(finding(9, "one has it", element="<joint name='b'>")), old, tmp_path).findings) == 1
+    )
+
+
+def test_what_was_known_of_files_that_were_not_checked_stays(tmp_path):
+    first = checked(finding(3, "wrong"), path="a.urdf")
+    before = known(tmp_path, first, checked(finding(3, "wrong"), path="b.urdf"))
+    (tmp_path / "known.json").write_text(baseline_text([checked(path="b.urdf")], tmp_path, before))
+    after = read_baseline(tmp_path / "known.json")
+    assert without_known(first, after, tmp_path).findings == ()
+    assert len(without_known(checked(finding(3, "wrong"), path="b.urdf"), after, tmp_path).findings) == 1
 
 
 def test_paths_are_relative_to_the_baseline(tmp_path, monkeypatch):

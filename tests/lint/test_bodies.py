@@ -1,5 +1,6 @@
 """Tensors, bodies, shapes and sides: laws first, then what is known."""
 
+import dataclasses
 import itertools
 import math
 import time
@@ -7,9 +8,12 @@ import time
 import numpy as np
 import pytest
 
+from kinetostat.errors import quote
 from kinetostat.lint.bodies import LinkInertia, bodies_of
 from kinetostat.lint.finding import Severity
-from kinetostat.lint.mirror import compared
+from kinetostat.lint.linting import lint
+from kinetostat.lint.mirror import compared, in_words
+from kinetostat.lint.registry import chosen
 from kinetostat.lint.rule import Example
 from kinetostat.lint.rules.inertia import INERTIA
 from kinetostat.lint.rules.inertia.slips import DENSEST, densest_moment, likely_units, reordered
@@ -204,6 +208,44 @@ def test_one_wrong_sign_is_found(product, turn):
     found = compared(left, right, [])
     assert found.differing == ()
     assert len(found.wrong) == 1
+    assert found.turn == turn
+
+
+def test_it_is_not_clear_how_a_part_is_mirrored_whose_products_fit_another_mirror_than_its_centre():
+    left = skew()
+    x, y, z = left.centre
+    right = dataclasses.replace(left, centre=(x, -y, z))  # are the products wrong, or the centre?
+    found = compared(left, right, [])
+    assert found.wrong
+    assert found.turn is None
+
+
+@pytest.mark.parametrize("turn", list(itertools.product((1, -1), repeat=3)))
+def test_what_is_said_to_change_sign_is_what_changes_in_a_mirror_image(turn):
+    left, right = skew(), skew().in_link_frame() * np.outer(turn, turn)
+    said = in_words(turn).partition(",")[2]
+    for axis, sign in zip("xyz", turn, strict=True):
+        assert (f" {axis}" in said.replace("the centre's ", " ").replace(",", " ")) == (sign < 0)
+    for name, (i, j) in {"ixy": (0, 1), "ixz": (0, 2), "iyz": (1, 2)}.items():
+        assert (name in said) == (right[i, j] * left.in_link_frame()[i, j] < 0)
+
+
+@pytest.mark.parametrize(
+    ("robot", "link", "says"),
+    [
+        ("human_description/human", "right_clavicle", "mirrored in z"),
+        ("talos_data/talos_reduced", "arm_right_1_link", "mirrored in y"),
+        ("tiago_description/tiago_dual", "arm_right_3_link", "mirrored in z"),
+        ("tiago_description/tiago_dual", "arm_right_4_link", "mirrored in a point"),
+    ],
+)
+def test_the_hint_says_how_the_frames_of_a_real_robot_are_mirrored(robot, link, says):
+    found = [
+        f
+        for f in lint(subject_of(f"example:{robot}"), chosen(["I402"])).findings
+        if quote(link) in f.element and f.hint
+    ]
+    assert [says in f.hint for f in found] == [True]
 
 
 def test_what_moves_on_a_part_tells_how_it_is_mirrored():

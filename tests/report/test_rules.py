@@ -40,8 +40,30 @@ def test_a_rule_is_explained(rule):
     assert rule.aim in words
     assert rule.hint in words
     assert " ".join(rule.why.split()) in words
-    for line in (*rule.bad.robot.splitlines()[:25], *rule.good.robot.splitlines()[:25]):
+    for line in (*rule.bad.robot.splitlines()[:10], *rule.good.robot.splitlines()[:10]):
         assert " ".join(printable(line)[:70].split()) in words
     told = json.loads(report_json.render(explain_result(rule)))
     assert told["bad"]["robot"] == rule.bad.robot_text
     assert told["why"] == rule.why
+
+
+def page(code):
+    return text.render(explain_view(next(rule for rule in RULES if rule.code == code)))
+
+
+@pytest.mark.parametrize("code", ["J103", "X105", "T101", "K101"])
+def test_how_a_finding_is_taken_back_is_told(code):
+    assert f"ignore[{code}] REASON" in page(code)
+
+
+@pytest.mark.parametrize("code", ["X001", "X002", "X101", "X102", "X103", "X104"])
+def test_no_way_is_told_to_take_back_what_no_comment_can(code):
+    assert f"ignore[{code}]" not in page(code)
+    assert "comment takes it back" in page(code)
+
+
+def test_a_page_shows_a_long_example_by_its_beginning_and_its_end():
+    lines = page("T114").splitlines()
+    assert len(lines) < 60
+    assert any("more lines ..." in line for line in lines)
+    assert any(line.strip() == "</robot>" for line in lines)

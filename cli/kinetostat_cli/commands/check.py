@@ -50,7 +50,7 @@ def check(
         list[str] | None,
         typer.Argument(
             metavar="[PATHS]...",
-            help="Files, folders, globs, 'example:*'. Default: the robots that kinetostat.toml names.",
+            help="Files, folders, globs, 'example:*'. Default: all below kinetostat.toml (else below here).",
         ),
     ] = None,
     form: Annotated[Form, typer.Option("--format", "-F", help="How to write the report.")] = Form.TEXT,
@@ -81,7 +81,7 @@ def check(
         Path | None, typer.Option(metavar="FILE", help="Write all findings to this file: from now on they are known.")
     ] = None,
     changed_since: Annotated[
-        str | None, typer.Option(metavar="REV", help="Check only what differs from this revision of git.")
+        str | None, typer.Option(metavar="REV", help="Check only what has changed since this revision of git.")
     ] = None,
     jobs: Annotated[
         int | None, typer.Option("--jobs", "-j", min=1, max=256, metavar="N", help="Processes. Default: a core each.")
@@ -112,9 +112,12 @@ def check(
 
     warm_up()  # the libraries load in the background meanwhile
     import kinetostat
+    from kinetostat.gate.check import without_baseline
 
-    chosen, folder = _settings(settings, wanted=not no_settings)
+    chosen, folder = _settings(settings, paths or [], wanted=not no_settings)
     reports = _further(also)
+    if write_baseline is not None:
+        chosen, baseline = without_baseline(chosen), None
     with _progress() as done:
         report = kinetostat.check(
             paths or [],
@@ -151,11 +154,14 @@ def register(app: typer.Typer) -> None:
     app.command()(check)
 
 
-def _settings(given: Path | None, *, wanted: bool) -> tuple[Settings | None, Path]:
-    """Return the settings, and the folder that their paths start from."""
+def _settings(given: Path | None, paths: list[str], *, wanted: bool) -> tuple[Settings | None, Path]:
+    """Return the settings (those from here up, else those from the first path up), and the folder of their paths."""
     from kinetostat.policy.settings import find_settings, read_settings
 
-    path = given or (find_settings(Path.cwd()) if wanted else None)
+    path = given
+    if path is None and wanted:
+        starts = [Path.cwd(), *(Path(name) for name in paths[:1] if os.path.lexists(name))]
+        path = next(filter(None, map(find_settings, starts)), None)
     if path is None:
         return None, Path()
     return read_settings(path), Path(os.path.relpath(path.parent))
@@ -186,16 +192,21 @@ def _progress() -> Iterator[Callable[[FileCheck, int], None]]:
 
 
 def _write_baseline(report: CheckReport, path: Path) -> None:
-    from kinetostat.gate.baseline import baseline_text
+    from kinetostat.gate.baseline import baseline_text, read_baseline
     from kinetostat.report.writing import open_whole
 
     crashed = [file.path for file in report.files if file.verdict == "crashed"]
     if crashed:
         raise UsageError(f"no baseline is written: {quote(crashed[0])} crashed")
+    known = read_baseline(path) if path.exists() else {}
+    text = baseline_text(report.files, path.parent, known)
     with open_whole(path) as file:
-        file.write(baseline_text(report.files, path.parent).encode())
+        file.write(text.encode())
     count = sum(len(file.findings) for file in report.files)
-    say("baseline", f"{count} findings of {len(report.files)} files are known from now on")
+    say(
+        "baseline",
+        f"{count} findings of {len(report.files)} files are known from now on; of other files, what was known",
+    )
 
 
 def _rendered(report: CheckReport, form: Form, *, verbose: bool = False, colour: bool = False) -> str:

@@ -1,13 +1,13 @@
 """Known findings: a file that lists them, so that only new ones count.
 
-A finding is known by file, code, element and message, not by its line: lines move when a file is edited.
+A finding is known by file, code, element and attribute; not by its line, which moves when a file is edited, nor by its
+numbers. One that stands for several elements is known by its code alone: which of them comes first is of no importance.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,14 +25,17 @@ SCHEMA = "kinetostat/baseline/1"
 Known = dict[str, Counter[str]]
 
 
-def baseline_text(files: Sequence[FileCheck], folder: Path) -> str:
-    """Return the text of a baseline that knows all findings of these files; paths are relative to its folder."""
-    known = {
-        _path(file.path, folder): dict(sorted(Counter(map(_mark, file.findings)).items()))
-        for file in sorted(files, key=lambda file: file.path)
-        if file.findings
-    }
-    return json.dumps({"schema": SCHEMA, "findings": known}, indent=1, ensure_ascii=False) + "\n"
+def baseline_text(files: Sequence[FileCheck], folder: Path, known: Known | None = None) -> str:
+    """Return the text of a baseline that knows all findings of these files; paths are relative to its folder.
+
+    Args:
+        files: what was checked, without a baseline.
+        folder: that of the baseline.
+        known: what it knew before, which stays for files that were not checked.
+    """
+    found = {_path(file.path, folder): Counter(map(_mark, file.findings)) for file in files}
+    merged = {path: dict(sorted(marks.items())) for path, marks in sorted({**(known or {}), **found}.items()) if marks}
+    return json.dumps({"schema": SCHEMA, "findings": merged}, indent=1, ensure_ascii=False) + "\n"
 
 
 def read_baseline(path: Path) -> Known:
@@ -67,8 +70,8 @@ def without_known(file: FileCheck, known: Known, folder: Path) -> FileCheck:
 
 
 def _mark(finding: Finding) -> str:
-    message = re.sub(r"\bline \d+", "line", finding.message)
-    return " | ".join(part for part in (finding.code, Path(finding.file).name, finding.element, message) if part)
+    where = ("several",) if finding.several else (finding.element, finding.attribute)
+    return " | ".join(part for part in (finding.code, Path(finding.file).name, *where) if part)
 
 
 def _path(name: str, folder: Path) -> str:

@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kinetostat.errors import UsageError
+from kinetostat.errors import SourceError
 from kinetostat.gate.baseline import read_baseline, without_known
 from kinetostat.gate.changed import touched
 from kinetostat.gate.checking import Task, check_robot, judged
@@ -21,7 +21,7 @@ from kinetostat.urdf.files import MAX_BYTES
 if TYPE_CHECKING:
     from kinetostat.policy.settings import RobotSettings, Settings
 
-__all__ = ["check", "tasks_of"]
+__all__ = ["check", "tasks_of", "without_baseline"]
 
 TIMEOUT = 120.0
 
@@ -49,7 +49,7 @@ def check(
     """Check robot files: rules, agreement of three readers, and a policy.
 
     Args:
-        paths: files, folders, globs, `example:*`; none: the robots that the settings name.
+        paths: files, folders, globs, `example:*`; none: all in the settings' folder, and what the settings name.
         settings: what `policy.settings.read_settings` returns; None: no policy, the defaults.
         folder: where the settings are: their paths are relative to it.
         select: rules to ask, by code, name or beginning of a code; default the settings', else all.
@@ -68,7 +68,7 @@ def check(
         done: told each result, and how many there will be.
 
     Raises:
-        UsageError: a rule that does not exist, a baseline or revision that cannot be, a policy for no robot.
+        UsageError: a rule that does not exist, a baseline or revision that cannot be.
         SourceError: something named is not there; nothing is named.
     """
     from kinetostat.policy.settings import Settings
@@ -127,20 +127,44 @@ def tasks_of(paths: Sequence[str], settings: Settings, chosen: Task) -> tuple[Ta
     for ignored in settings.check.per_path_ignores.values():
         rules((), ignored)
     listed = _listed(settings, chosen.folder)
-    names = robot_files(paths, settings.check.exclude) if paths else tuple(listed)
-    if not names:
-        raise UsageError("no robot is named", remedy="name files or folders, or list [[robots]] in kinetostat.toml")
+    names = robot_files(paths, settings.check.exclude) if paths else _everything(listed, settings, chosen.folder)
     entries: dict[str, list[RobotSettings]] = {}
     for name, found in listed.items():
         entries.setdefault(_key(name), []).extend(found)
     return tuple(_task(name, settings, entries.get(_key(name), []), chosen) for name in names)
 
 
+def _everything(listed: Mapping[str, object], settings: Settings, folder: Path) -> tuple[str, ...]:
+    """Return all robots in the settings' folder, and those that the settings name: a new one is not overlooked."""
+    try:
+        found = robot_files([str(folder)], settings.check.exclude)
+    except SourceError:
+        if not listed:
+            raise
+        found = ()
+    keys = {_key(name) for name in found}
+    return (*found, *(name for name in listed if _key(name) not in keys))
+
+
+def without_baseline(settings: Settings | None) -> Settings | None:
+    """Return settings that know no findings: what a new baseline is made with."""
+    if settings is None:
+        return None
+    import msgspec
+
+    return msgspec.structs.replace(settings, check=msgspec.structs.replace(settings.check, baseline=""))
+
+
 def _listed(settings: Settings, folder: Path) -> dict[str, list[RobotSettings]]:
     """Return what the settings say of each robot that they name, in their order."""
     listed: dict[str, list[RobotSettings]] = {}
     for entry in settings.robots:
-        for name in robot_files([_beside(entry.path, folder)]):
+        try:
+            names = robot_files([_beside(entry.path, folder)])
+        except SourceError as error:
+            error.message += ", though the settings name it"
+            raise
+        for name in names:
             listed.setdefault(name, []).append(entry)
     return listed
 

@@ -45,6 +45,8 @@ def _meant(path: str) -> Iterator[str]:
         return
     if path == "-":
         raise SourceError("standard input is not checked", remedy="save the robot to a file")
+    if path.endswith(".srdf"):
+        raise SourceError("this is an SRDF, not a robot", file=path, remedy="name its robot, with which it is checked")
     if os.path.isdir(path):  # noqa: PTH112 (Path.is_dir raises where the name is too long)
         yield from _in_folder(path)
     elif _is_glob(path) and not os.path.lexists(path):

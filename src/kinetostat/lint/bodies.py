@@ -9,6 +9,7 @@ from typing import TypeVar, cast
 
 import numpy as np
 
+from kinetostat.errors import quote
 from kinetostat.lint.subject import Subject, end_of, first, name_of, number, vector
 from kinetostat.lint.tensors import MOMENTS, NO_MASS, Flaw, flaw_of, matrix, rounding_of
 from kinetostat.screw import so3
@@ -83,6 +84,12 @@ class Body:
     parent: str
     mass: float
 
+    @property
+    def moved_by(self) -> str:
+        """The joint that moves it, in words."""
+        assert self.carrier is not None
+        return f"moved by joint {quote(name_of(self.carrier), 40)}"
+
 
 @dataclass(frozen=True)
 class Bodies:
@@ -99,6 +106,16 @@ class Bodies:
     bodies: Mapping[str, Body]
     head: Mapping[str, str]
     reach: float
+
+    @property
+    def moving(self) -> list[Body]:
+        """The bodies that a joint moves."""
+        return [body for body in self.bodies.values() if body.carrier is not None]
+
+    @property
+    def mass(self) -> float:
+        """The mass of the robot, kg."""
+        return sum(body.mass for body in self.bodies.values())
 
     def of(self, link: str) -> Body:
         """Return the body that a link belongs to."""
@@ -181,7 +198,7 @@ def _reach(subject: Subject, carriers: Mapping[str, Element]) -> float:
 
 def _names(subject: Subject) -> dict[str, None]:
     """Return the names of the links, in file order."""
-    return dict.fromkeys(name_of(link) for link in subject.links if "name" in link.attributes)
+    return dict.fromkeys(name_of(link) for link in subject.links if name_of(link))
 
 
 def _folded(

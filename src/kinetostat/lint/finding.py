@@ -34,6 +34,7 @@ class Finding:
         hint: what to do.
         attribute: the attribute that it is about, for the caret; may be empty.
         file: the file, if it is not the robot's own (an SRDF); else empty.
+        several: whether it stands for several things found, of which `element` is only the first.
     """
 
     code: str
@@ -46,6 +47,7 @@ class Finding:
     attribute: str = ""
     file: str = ""
     column: int = 0
+    several: bool = False
 
     @property
     def place(self) -> tuple[str, int, str, str]:

@@ -39,6 +39,7 @@ def grouped(
     *,
     what: str,
     few: int = FEW,
+    alike: bool = False,
     severity: Severity | None = None,
     hint: str | None = None,
     file: str = "",
@@ -50,21 +51,30 @@ def grouped(
         found: what was found, in the order of the file.
         what: what their names are names of, such as "joint".
         few: up to how many are told one by one.
+        alike: whether those with the same message are one finding, however few they are.
         severity: if it is not the rule's.
         hint: if it is not the rule's.
         file: the file of the elements, if it is not the robot's own.
     """
-    together = len(found) > few
-    others = [each.name for each in found[1:] if each.name != found[0].name] if together else []
-    for each in found[:1] if together else found:
+    for first, *rest in _groups(found, few, alike=alike):
+        others = [each.name for each in rest if each.name != first.name]
         yield rule.finding(
-            each.at,
-            each.message + also(others, what),
+            first.at,
+            first.message + also(others, what),
             severity=severity,
             hint=hint,
-            attribute=each.attribute,
+            attribute=first.attribute,
             file=file,
+            several=bool(rest),
         )
+
+
+def _groups(found: Sequence[Found], few: int, *, alike: bool) -> Sequence[Sequence[Found]]:
+    """Return what is told together: each by itself, or those with the same message; all, if these are many."""
+    groups: dict[object, list[Found]] = {}
+    for i, each in enumerate(found):
+        groups.setdefault(each.message if alike else i, []).append(each)
+    return list(groups.values()) if len(groups) <= few else [found]
 
 
 def also(others: Collection[str], what: str) -> str:

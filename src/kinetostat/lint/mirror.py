@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from kinetostat.lint.bodies import LinkInertia
 
-__all__ = ["Comparison", "Signed", "compared"]
+__all__ = ["Comparison", "Signed", "compared", "in_words"]
 
 SAME = 0.01  # relative: equal, but for rounding
 COUNTS = 0.05  # of the largest coordinate of the centre of mass; of the mean moment: less says nothing of a sign
@@ -16,6 +16,7 @@ SMALL = 1e-3  # m: a coordinate below it says nothing of a sign
 
 _AXES = "xyz"
 _PRODUCTS = ((0, 1), (0, 2), (1, 2))
+_Turn = tuple[int, ...]  # the sign that each axis takes from the left link to the right one
 
 
 @dataclass(frozen=True)
@@ -37,12 +38,14 @@ class Comparison:
         differing: what differs in size: "mass", "centre of mass", "moments".
         wrong: where nothing differs in size, what has the wrong sign whatever axes are turned over.
         joints: whether it is wrong only beside what is fixed to the links.
+        turn: the signs of the axes that explain the most; None if others do as well and find other numbers wrong.
     """
 
     mass: bool
     differing: tuple[str, ...]
     wrong: tuple[Signed, ...]
     joints: bool = False
+    turn: _Turn | None = None
 
 
 def compared(
@@ -82,8 +85,25 @@ def compared(
         ),
     ]
     fixed = [each for p, q in points for each in _coordinates("joint", p, q)]
-    wrong = _wrong(signed, fixed)
-    return Comparison(mass, (), wrong, bool(wrong) and not _wrong(signed, ()))
+    wrong, turn = _wrong(signed, fixed)
+    return Comparison(mass, (), wrong, bool(wrong) and not _wrong(signed, ())[0], turn)
+
+
+def in_words(turn: _Turn) -> str:
+    """Return which numbers change their sign from the left link to the right one, when these axes do."""
+    axes = [_AXES[i] for i in range(3) if turn[i] < 0]
+    products = [f"i{_AXES[i]}{_AXES[j]}" for i, j in _PRODUCTS if turn[i] * turn[j] < 0]
+    if not axes:
+        return "as the same part, mounted alike, no sign changes"
+    centre = f"the centre's {_and(axes)}"
+    if not products:
+        return f"mirrored in a point, {centre} change sign, and the tensor stays as it is"
+    across = f"mirrored in {axes[0]}" if len(axes) == 1 else f"turned about {(set(_AXES) - set(axes)).pop()}"
+    return f"{across}, {_and([centre, *products])} change sign, and no others"
+
+
+def _and(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def _near(left: float, right: float, slack: float) -> bool:
@@ -98,15 +118,21 @@ def _coordinates(what: str, left: Sequence[float], right: Sequence[float]) -> It
             yield Signed(f"{_AXES[i]} of the {what}", left[i], right[i], (i,))
 
 
-def _wrong(signed: Sequence[Signed], fixed: Sequence[Signed]) -> tuple[Signed, ...]:
-    """Return the numbers whose signs no choice of axes turned over explains; the fewest that can be.
+def _wrong(signed: Sequence[Signed], fixed: Sequence[Signed]) -> tuple[tuple[Signed, ...], _Turn | None]:
+    """Return the numbers whose signs no choice of axes turned over explains, the fewest that can be, and that choice.
 
-    What is fixed to the links has a say in the choice, unless no choice explains that alone.
+    What is fixed to the links has a say in the choice, unless no choice explains that alone. Of choices that find the
+    same numbers wrong, that which turns the fewest axes is returned; None if it is not clear what is wrong: the fewest
+    numbers, or rather products than the centre of mass, which is easier to get right.
     """
-    turns = list(itertools.product((1, -1), repeat=3))
+    turns = sorted(itertools.product((1, -1), repeat=3), key=sum, reverse=True)
     able = [turn for turn in turns if all(_explains(turn, each) for each in fixed)] or turns
-    wrong = (tuple(each for each in signed if not _explains(turn, each)) for turn in able)
-    return min(wrong, key=len)
+    wrong = {turn: tuple(each for each in signed if not _explains(turn, each)) for turn in able}
+    counts = {turn: (len(found), sum(len(each.axes) == 1 for each in found)) for turn, found in wrong.items()}
+    best = min(able, key=lambda turn: counts[turn])
+    least = counts[best], min(count[::-1] for count in counts.values())[::-1]
+    rivals = {wrong[turn] for turn in able if counts[turn] in least}
+    return wrong[best], best if len(rivals) == 1 else None
 
 
 def _explains(turn: Sequence[int], each: Signed) -> bool:

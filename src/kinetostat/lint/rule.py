@@ -101,6 +101,7 @@ class Rule(ABC):
         attribute: str = "",
         file: str = "",
         element: str = "",
+        several: bool = False,
     ) -> Finding:
         """Return a finding at an element, or at a line (0: no line)."""
         if isinstance(at, int):
@@ -118,6 +119,7 @@ class Rule(ABC):
             attribute,
             file,
             column,
+            several,
         )
 
     @property

@@ -7,14 +7,16 @@ from collections.abc import Iterator, Sequence
 
 from kinetostat.errors import cut
 from kinetostat.lint.registry import FAMILIES
-from kinetostat.lint.rule import Example, Rule
+from kinetostat.lint.rule import Example, Needs, Rule
+from kinetostat.lint.rules.xml import UnusedSuppression
 from kinetostat.report.json import Json
 from kinetostat.report.view import Cell, Table, View
 
 __all__ = ["explain_result", "explain_view", "paragraphs", "rules_result", "rules_view", "shortened"]
 
 _LONGEST_LINE = 160  # of an example
-_MOST_LINES = 60
+_MOST_LINES = 32  # a longer one is shown by its beginning and its end
+_HEAD, _TAIL = 10, 2
 
 
 def rules_view(rules: Sequence[Rule]) -> View:
@@ -44,8 +46,18 @@ def explain_view(rule: Rule) -> View:
     tables += _example(rule.bad, f"Bad: {rule.code} is found where it is marked")
     tables += _example(rule.good, "Good")
     flat = Table(("code", "name", "severity", "aim", "why", "hint"), (_flat(rule),), words=True)
-    how = f"to take it back: <!-- kinetostat: ignore[{rule.code}] REASON --> before the element"
-    return View(f"{rule.code} {rule.name} ({rule.severity})\n{rule.aim}", tuple(tables), (how,), flat=flat)
+    return View(
+        f"{rule.code} {rule.name} ({rule.severity})\n{rule.aim}", tuple(tables), (_taken_back(rule),), flat=flat
+    )
+
+
+def _taken_back(rule: Rule) -> str:
+    """Return how a comment takes a finding of a rule back, or that none does."""
+    if isinstance(rule, UnusedSuppression):
+        return "no other comment takes it back: correct or remove the one that it is about"
+    if rule.needs is Needs.BYTES:
+        return "no comment takes it back where the file cannot be read"
+    return f"to take it back: <!-- kinetostat: ignore[{rule.code}] REASON --> before the element"
 
 
 def _flat(rule: Rule) -> tuple[Cell, ...]:
@@ -74,8 +86,7 @@ def shortened(text: str) -> str:
     """Return the text of an example as it is shown: long lines are cut, many lines left out in the middle."""
     lines = [cut(line, _LONGEST_LINE) for line in text.splitlines()]
     if len(lines) > _MOST_LINES:
-        head, tail = lines[: _MOST_LINES // 2], lines[-_MOST_LINES // 2 :]
-        lines = [*head, f"... {len(lines) - len(head) - len(tail)} more lines ...", *tail]
+        lines = [*lines[:_HEAD], f"... {len(lines) - _HEAD - _TAIL} more lines ...", *lines[-_TAIL:]]
     return "\n".join(lines)
 
 

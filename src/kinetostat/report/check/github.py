@@ -35,7 +35,8 @@ def _annotation(problem: Problem) -> str:
             properties |= {"col": str(first + 1), "endColumn": str(end)}
     properties["title"] = problem.title
     told = ",".join(f"{key}={_property(value)}" for key, value in properties.items())
-    message = f"{problem.message} ({problem.hint})" if problem.hint else problem.message
+    notes = [printable(note) for note in (problem.hint, problem.place) if note]
+    message = f"{problem.message} ({'; '.join(notes)})" if notes else problem.message
     return f"::{_COMMANDS[problem.severity]} {told}::{_data(message)}"
 
 

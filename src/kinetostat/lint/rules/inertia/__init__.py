@@ -6,9 +6,10 @@ from kinetostat.lint.rule import Rule
 from kinetostat.lint.rules.inertia.extents import EXTENTS
 from kinetostat.lint.rules.inertia.masses import MASSES
 from kinetostat.lint.rules.inertia.relations import RELATIONS
+from kinetostat.lint.rules.inertia.statements import STATEMENTS
 from kinetostat.lint.rules.inertia.suspicions import SUSPICIONS
 from kinetostat.lint.rules.inertia.tensors import TENSORS
 
 __all__ = ["INERTIA"]
 
-INERTIA: tuple[Rule, ...] = (*MASSES, *TENSORS, *SUSPICIONS, *EXTENTS, *RELATIONS)
+INERTIA: tuple[Rule, ...] = (*MASSES, *STATEMENTS, *TENSORS, *SUSPICIONS, *EXTENTS, *RELATIONS)

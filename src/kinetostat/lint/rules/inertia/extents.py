@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from kinetostat.lint.bodies import LinkInertia, bodies_of
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.inertia.several import several
 from kinetostat.lint.rules.inertia.suspicions import is_placeholder, placeholders
 from kinetostat.lint.shapes import Extent, extents_of
 from kinetostat.lint.subject import Subject, first
@@ -81,8 +81,8 @@ class GyrationOutside(Rule):
             usable = each.flaw in (None, Flaw.ROUNDED) and not is_placeholder(each, known)
             if usable and each.gyration > BEYOND * extent.half_diagonal:
                 message = f"{_SIZES} {each.gyration:.3g} m in a shape of {_box(extent)}"
-                found.append((each.element, each.name, message))
-        yield from several(self, found)
+                found.append(Found(each.element, each.name, message))
+        yield from grouped(self, found, what="link")
 
 
 class GyrationInside(Rule):
@@ -107,8 +107,8 @@ class GyrationInside(Rule):
             usable = each.flaw in (None, Flaw.ROUNDED) and not is_placeholder(each, known)
             if usable and each.gyration < INSIDE * extent.half_diagonal:
                 message = f"{_SIZES} {each.gyration:.3g} m in a shape of {_box(extent)}"
-                found.append((each.element, each.name, message))
-        yield from several(self, found)
+                found.append(Found(each.element, each.name, message))
+        yield from grouped(self, found, what="link")
 
 
 class ImplausibleDensity(Rule):
@@ -132,11 +132,11 @@ class ImplausibleDensity(Rule):
             mass = first(each.link, "inertial", "mass") or each.link
             message = f"mass {each.mass:g} kg in a shape of {_box(extent)}"
             if each.mass > DENSEST * x * y * z:
-                heavy.append((mass, each.name, f"{message}: {each.mass / (x * y * z):,.0f} kg/m3"))
+                heavy.append(Found(mass, each.name, f"{message}: {each.mass / (x * y * z):,.0f} kg/m3", "value"))
             elif each.mass < LIGHTEST * extent.volume:
-                light.append((mass, each.name, f"{message}: {each.mass / extent.volume:.2g} kg/m3"))
-        yield from several(self, heavy, attribute="value")
-        yield from several(self, light, severity=Severity.INFO, attribute="value")
+                light.append(Found(mass, each.name, f"{message}: {each.mass / extent.volume:.2g} kg/m3", "value"))
+        yield from grouped(self, heavy, what="link")
+        yield from grouped(self, light, what="link", severity=Severity.INFO)
 
 
 class CentreOutside(Rule):
@@ -162,8 +162,9 @@ class CentreOutside(Rule):
                 place = " ".join(f"{x:.4g}" for x in each.centre)
                 message = f"centre of mass {place} is {beyond:.3g} m outside the shape of {_box(extent)}"
                 inertial = first(each.link, "inertial")
-                found.append((first(inertial, "origin") or inertial or each.link, each.name, message))
-        yield from several(self, found, attribute="xyz")
+                at = first(inertial, "origin") or inertial or each.link
+                found.append(Found(at, each.name, message, "xyz"))
+        yield from grouped(self, found, what="link")
 
 
 EXTENTS: tuple[Rule, ...] = (GyrationOutside(), GyrationInside(), ImplausibleDensity(), CentreOutside())

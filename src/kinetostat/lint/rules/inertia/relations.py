@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from kinetostat.errors import quote
 from kinetostat.lint.bodies import Bodies, LinkInertia, bodies_of
 from kinetostat.lint.finding import Finding, Severity
-from kinetostat.lint.mirror import Comparison, compared
+from kinetostat.lint.grouping import listed
+from kinetostat.lint.mirror import Comparison, compared, in_words
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.inertia.several import named
 from kinetostat.lint.sides import pairs
 from kinetostat.lint.subject import Subject, end_of, first, name_of, vector
 from kinetostat.lint.tensors import NO_MASS
@@ -17,6 +17,7 @@ from kinetostat.lint.tensors import NO_MASS
 __all__ = ["RELATIONS"]
 
 Pair = tuple[LinkInertia, LinkInertia, Comparison]
+DUMMY = 1e-3  # of the mass of the robot: a root that weighs less stands for nothing, or nearly
 
 
 class BaseInertia(Rule):
@@ -24,7 +25,7 @@ class BaseInertia(Rule):
 
     KDL, and with it robot_state_publisher and MoveIt's kinematics, takes no inertia of the root: it warns at every
     start and leaves it out. A massless root with the real base fixed to it avoids that. For a mobile robot in
-    simulation the inertia of the root does count.
+    simulation the inertia of the root does count. Nothing is said where it hardly weighs anything.
     """
 
     code = "I401"
@@ -49,10 +50,12 @@ class BaseInertia(Rule):
         <joint name="base-pedestal" type="fixed"><parent link="base"/><child link="pedestal"/></joint>""")
 
     def check(self, subject: Subject) -> Iterator[Finding]:
-        """Yield the root link that has a mass, unless it is the only link."""
+        """Yield the root link that has a mass worth speaking of, unless it is the only link."""
+        bodies = bodies_of(subject)
         children = {end_of(joint, "child") for joint in subject.joints}
-        for inertia in bodies_of(subject).inertias.values():
-            if inertia.name not in children and inertia.mass > NO_MASS and children:
+        least = max(NO_MASS, DUMMY * bodies.mass)
+        for inertia in bodies.inertias.values():
+            if inertia.name not in children and inertia.mass > least and children:
                 message = f"the root link weighs {inertia.mass:g} kg, which KDL leaves out"
                 yield self.finding(first(inertia.link, "inertial") or inertia.link, message)
 
@@ -61,14 +64,15 @@ class UnevenSides(Rule):
     """A left link and its right counterpart are not mirror images in mass, centre or tensor.
 
     Parts of the two sides mostly come from one drawing. Where all sizes are equal but the signs fit neither a mirror
-    image nor the same part turned over, a sign was forgotten; where a single pair differs in mass, one of the two was
-    changed and the other forgotten. The robot then leans, and a controller that mirrors its gains does not.
+    image nor the same part turned over, a sign was forgotten on one of them; where a single pair differs in mass, one
+    of the two was changed and the other forgotten. The robot then leans, and a controller that mirrors its gains does
+    not. Across which axis two frames are mirrored depends on how they were laid; the hint says what fits the file best.
     """
 
     code = "I402"
     name = "sides-uneven"
     severity = Severity.WARNING
-    hint = "mirrored in y: change the signs of the centre's y, of ixy and of iyz, and no others"
+    hint = "compare the two with their drawings"
     bad = Example("""
         <link name="base"/>
         <link name="left_arm">
@@ -112,7 +116,7 @@ class UnevenSides(Rule):
                 wrong = "; ".join(f"{w.what} {w.right:.4g}, there {w.left:.4g}" for w in comparison.wrong)
                 message = f"signs fit neither a mirror image of {_name(left)} nor the same part turned over: {wrong}"
                 joints = "; the joints on the two are mirrored" if comparison.joints else ""
-                yield self.finding(right.element, message + joints)
+                yield self.finding(right.element, message + joints, hint=_remedy(comparison))
         for left, right, _ in odd_masses:
             mass = first(right.link, "inertial", "mass") or right.link
             yield self.finding(
@@ -127,7 +131,7 @@ class UnevenSides(Rule):
 
     def _summed(self, rest: list[Pair], count: int) -> Finding:
         left, right, _ = rest[0]
-        names = named([other.name for _, other, _ in rest])
+        names = listed([other.name for _, other, _ in rest])
         what = [each for each in ("mass", "centre of mass", "moments") if any(each in c.differing for *_, c in rest)]
         message = f"{len(rest)} of {count} left-right pairs differ in {', '.join(what)}: {names}"
         return self.finding(right.element, message, severity=Severity.INFO, hint=f"compare with {_name(left)}")
@@ -148,6 +152,15 @@ class UnevenSides(Rule):
     def _comparable(self, bodies: Bodies, link: str) -> bool:
         inertia = bodies.inertias.get(link)
         return inertia is not None and inertia.mass > NO_MASS and not bodies.negligible(inertia)
+
+
+def _remedy(comparison: Comparison) -> str:
+    """Return which signs should differ, if that is clear; which of the two links is wrong never is."""
+    if comparison.turn is None:
+        change = "mirrored in one axis, the centre changes sign along it, and so do the two products with that axis"
+    else:
+        change = in_words(comparison.turn)
+    return f"correct one of the two: {change}"
 
 
 def _places(subject: Subject) -> Mapping[str, dict[str, tuple[float, ...]]]:

@@ -9,8 +9,8 @@ import numpy as np
 
 from kinetostat.lint.bodies import Bodies, LinkInertia, bodies_of
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, also, grouped, listed
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.inertia.several import also, named, several
 from kinetostat.lint.rules.inertia.slips import densest_moment, likely_units, reordered
 from kinetostat.lint.rules.inertia.tensors import GOOD, solid, with_moments
 from kinetostat.lint.shapes import extents_of
@@ -58,7 +58,8 @@ class PlaceholderTensor(Rule):
     """A tensor stands for nothing: the identity, six equal entries, one round number on many links.
 
     Copied to get a file to load, such tensors are wrong by orders of magnitude: joint torques, resonances and simulated
-    motion are those of another robot. Six equal entries are no tensor at all (two principal moments are zero).
+    motion are those of another robot. Six equal entries are no tensor at all (two principal moments are zero): MuJoCo
+    refuses the file.
     """
 
     code = "I204"
@@ -79,22 +80,22 @@ class PlaceholderTensor(Rule):
     def _judged(
         self, bodies: Bodies, entries: tuple[float, ...], links: Sequence[LinkInertia], counted: Sequence[LinkInertia]
     ) -> tuple[Severity, str]:
-        others = [each.name for each in links if each is not counted[0]]
+        others = also([each.name for each in links if each is not counted[0]], "link")
         if links[0].flaw is Flaw.ALIKE:
-            return Severity.WARNING, f"all six entries are {entries[0]:g}, of which no body is made{also(others)}"
+            message = (
+                f"all six entries are {entries[0]:g}: no body has such a tensor, two principal moments of which are 0"
+            )
+            return Severity.WARNING, message + others
         if entries[0] == 1:
             moved = any(bodies.of(each.name).carrier is not None for each in counted)
             severity = Severity.WARNING if moved else Severity.INFO
-            return severity, f"the identity, 1 kg m2 about every axis, for {counted[0].mass:g} kg{also(others)}"
+            return severity, f"the identity, 1 kg m2 about every axis, for {counted[0].mass:g} kg{others}"
         masses = [each.mass for each in counted]
         differ = max(masses) >= 2 * min(masses)
         spread = f"masses from {min(masses):g} to {max(masses):g} kg" if differ else f"about {masses[0]:g} kg each"
-        message = f"{entries[0]:g} kg m2 about every axis for {len(counted)} links, {spread}: {_names(counted)}"
+        names = listed([each.name for each in counted])
+        message = f"{entries[0]:g} kg m2 about every axis for {len(counted)} links, {spread}: {names}"
         return Severity.WARNING if differ else Severity.INFO, message
-
-
-def _names(inertias: Sequence[LinkInertia]) -> str:
-    return named([each.name for each in inertias])
 
 
 class ShuffledTensor(Rule):
@@ -164,8 +165,8 @@ class TensorAboutOrigin(Rule):
         plain = [each for each, about in told if about is False]
         severity = Severity.WARNING if len(suspects) >= REPEATED and len(suspects) > len(plain) else None
         message = "the products of inertia are those of a point mass at the centre of mass, seen from the link's origin"
-        found = [(each.element, each.name, message) for each in suspects]
-        yield from several(self, found, severity=severity)
+        found = [Found(each.element, each.name, message) for each in suspects]
+        yield from grouped(self, found, what="link", severity=severity)
 
     def _about_origin(self, inertia: LinkInertia) -> bool | None:
         """Return whether a tensor follows the parallel-axis term; None if that cannot be told."""
@@ -209,8 +210,8 @@ class TensorUnit(Rule):
                 units = " or ".join(likely_units(each.gyration, size))
                 perhaps = f": is it {units}?" if units else ""
                 message = f"radius of gyration {each.gyration:.3g} m, of a robot of {size:.3g} m{perhaps}"
-                found.append((each.element, each.name, message))
-        yield from several(self, found)
+                found.append(Found(each.element, each.name, message))
+        yield from grouped(self, found, what="link")
 
 
 class TensorTooSmall(Rule):
@@ -239,12 +240,12 @@ class TensorTooSmall(Rule):
                 main = body.carrier is not None and each.mass > 0.5 * body.mass
                 groups[Severity.WARNING if main else Severity.INFO].append(each)
         for severity, links in groups.items():
-            found = [(each.element, each.name, self._message(each)) for each in links]
-            yield from several(self, found, severity=severity)
+            found = [Found(each.element, each.name, self._message(each)) for each in links]
+            yield from grouped(self, found, what="link", severity=severity)
 
     def _message(self, inertia: LinkInertia) -> str:
         least = densest_moment(inertia.mass)
-        return f"{with_moments(inertia)}; {inertia.mass:g} kg of osmium in a ball have {least:.3g}"
+        return f"{with_moments(inertia)}; a ball of osmium of {inertia.mass:g} kg has {least:.3g}"
 
 
 SUSPICIONS: tuple[Rule, ...] = (

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from kinetostat.lint.bodies import Bodies, LinkInertia, bodies_of
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.inertia.several import several
 from kinetostat.lint.rules.inertia.slips import reordered
 from kinetostat.lint.subject import Subject
 from kinetostat.lint.tensors import NO_MASS, Flaw
-from kinetostat.urdf.document import Element
 
 __all__ = ["TENSORS", "solid", "with_moments"]
+
+MUJOCO_LEAST = 1e-14  # kg m2: a principal moment below it is refused (measured), unless all six entries are 0
 
 
 def solid(mass: str, moments: str, mark: str = "") -> str:
@@ -41,7 +42,9 @@ class ZeroTensor(Rule):
     """A tensor is zero although the link has a mass.
 
     A body that turns about its own centre of mass without any resistance makes the mass matrix singular: MuJoCo refuses
-    it where a joint moves it. Fixed to other links it counts as a point mass, which may be what is meant.
+    the file where a joint moves it, Drake at the first step of a simulation. Fixed to other links it counts as a point
+    mass, which may be what is meant: then all six entries are exactly 0. What arithmetic leaves in place of a zero,
+    such as 1e-20, MuJoCo refuses on any link.
     """
 
     code = "I201"
@@ -52,14 +55,18 @@ class ZeroTensor(Rule):
     good = GOOD
 
     def check(self, subject: Subject) -> Iterator[Finding]:
-        """Yield the tensors of zero; an info for those that count as point masses."""
+        """Yield the tensors of zero; an info for those that count as point masses in every tool."""
         bodies = bodies_of(subject)
         zero = [each for each in bodies.inertias.values() if each.flaw is Flaw.ZERO]
-        alone = [each for each in zero if self._turns_freely(bodies, each)]
-        points = [each for each in zero if each not in alone and not bodies.negligible(each)]
-        for group, severity in ((alone, Severity.WARNING), (points, Severity.INFO)):
-            told = [(each.element, each.name, self._message(each)) for each in group]
-            yield from several(self, told, severity=severity)
+        free = [each for each in zero if self._turns_freely(bodies, each)]
+        fixed = [each for each in zero if each not in free]
+        noise = [each for each in fixed if any(each.entries) and each.principal[0] < MUJOCO_LEAST]
+        points = [each for each in fixed if each not in noise and not bodies.negligible(each)]
+        yield from grouped(self, [self._of(each) for each in free], what="link")
+        hint = "write 0 for all six entries, which stands for a point mass, or write the moments"
+        refused = ": MuJoCo refuses what is nearly, but not quite, zero"
+        yield from grouped(self, [self._of(each, refused) for each in noise], what="link", hint=hint)
+        yield from grouped(self, [self._of(each) for each in points], what="link", severity=Severity.INFO)
 
     def _turns_freely(self, bodies: Bodies, inertia: LinkInertia) -> bool:
         """Return whether the link is moved, and nothing that is fixed to it has a moment of inertia."""
@@ -67,17 +74,18 @@ class ZeroTensor(Rule):
         others = [bodies.inertias[link] for link in body.links if link in bodies.inertias]
         return body.carrier is not None and all(max(each.entries) <= max(inertia.entries) for each in others)
 
-    def _message(self, inertia: LinkInertia) -> str:
+    def _of(self, inertia: LinkInertia, so: str = "") -> Found:
         largest = max(map(abs, inertia.entries))
         zero = "all moments are zero" if largest == 0 else f"the moments are {largest:.2g} kg m2 or less"
-        return f"mass {inertia.mass:g} kg, but {zero}"
+        return Found(inertia.element, inertia.name, f"mass {inertia.mass:g} kg, but {zero}{so}")
 
 
 class TensorNotPositive(Rule):
     """A tensor has a principal moment of zero or below.
 
     Turning such a body about that axis would take no energy, or give some: the mass matrix is not positive definite,
-    and its inverse, on which every simulation rests, is wrong or missing. MuJoCo and Drake refuse the file.
+    and its inverse, on which every simulation rests, is wrong or missing. MuJoCo refuses the file; Drake warns of a
+    negative moment and goes on with other moments than the file's, those of a ball of water of that mass.
     """
 
     code = "I202"
@@ -90,22 +98,32 @@ class TensorNotPositive(Rule):
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield each; a warning where a moment is just zero (a rod without thickness), or where it hardly counts."""
         bodies = bodies_of(subject)
-        for each in bodies.inertias.values():
-            if each.flaw is Flaw.NEGATIVE and reordered(each.entries) is None:
-                severity = Severity.WARNING if bodies.negligible(each) else None
-                yield self.finding(each.element, f"not positive definite: {with_moments(each)}", severity=severity)
-            if each.flaw is Flaw.SINGULAR and reordered(each.entries) is None:
-                below = "below zero, perhaps by rounding" if each.principal[0] < -NO_MASS else "zero"
-                message = f"a principal moment is {below}: {with_moments(each)}"
-                hint = "a real rod has some moment about its own axis, too: mass x radius^2 / 2"
-                yield self.finding(each.element, message, severity=Severity.WARNING, hint=hint)
+        told = [each for each in bodies.inertias.values() if reordered(each.entries) is None]
+        negative = [each for each in told if each.flaw is Flaw.NEGATIVE]
+        slight = [each for each in negative if bodies.negligible(each)]
+        singular = [each for each in told if each.flaw is Flaw.SINGULAR]
+        hint = "a real rod has some moment about its own axis, too: mass x radius^2 / 2"
+        for group, severity, remedy in (
+            ([each for each in negative if each not in slight], None, None),
+            (slight, Severity.WARNING, None),
+            (singular, Severity.WARNING, hint),
+        ):
+            found = [self._of(each) for each in group]
+            yield from grouped(self, found, what="link", alike=True, severity=severity, hint=remedy)
+
+    def _of(self, inertia: LinkInertia) -> Found:
+        below = inertia.principal[0] < -NO_MASS
+        wrong = f"a principal moment is {'below zero, perhaps by rounding' if below else 'zero'}"
+        wrong = "not positive definite" if inertia.flaw is Flaw.NEGATIVE else wrong
+        return Found(inertia.element, inertia.name, f"{wrong}: {with_moments(inertia)}")
 
 
 class TriangleInequality(Rule):
     """Two principal moments together are below the third.
 
-    No distribution of mass has such moments: Ixx + Iyy >= Izz for any axes. MuJoCo refuses the file, and so does Drake.
-    Where rounding explains it this is an info: MuJoCo is strict to the last digit.
+    No distribution of mass has such moments: Ixx + Iyy >= Izz for any axes. MuJoCo refuses the file; Drake warns and
+    goes on with other moments than the file's, those of a ball of water of that mass. Where rounding explains it this
+    is an info: MuJoCo is strict to the last digit.
     """
 
     code = "I203"
@@ -120,17 +138,16 @@ class TriangleInequality(Rule):
         inertias = bodies_of(subject).inertias.values()
         wrong = [each for each in inertias if each.flaw is Flaw.TRIANGLE and reordered(each.entries) is None]
         rounded = [each for each in inertias if each.flaw is Flaw.ROUNDED]
-        for each in wrong:
-            yield self.finding(each.element, self._message(each))
-        told = self._told(rounded)
-        yield from several(self, told, severity=Severity.INFO, hint="write more digits: it may be rounding")
+        yield from grouped(self, [self._of(each) for each in wrong], what="link", alike=True)
+        hint = "write more digits: it may be rounding"
+        found = [self._of(each) for each in rounded]
+        yield from grouped(self, found, what="link", alike=True, severity=Severity.INFO, hint=hint)
 
-    def _told(self, inertias: Sequence[LinkInertia]) -> list[tuple[Element, str, str]]:
-        return [(each.element, each.name, self._message(each)) for each in inertias]
-
-    def _message(self, inertia: LinkInertia) -> str:
+    def _of(self, inertia: LinkInertia) -> Found:
         low, middle, high = inertia.principal
-        return f"{low:.4g} + {middle:.4g} < {high:.4g}: these principal moments (kg m2) break the triangle inequality"
+        broken = f"{low:.4g} + {middle:.4g} < {high:.4g}"
+        message = f"{broken}: these principal moments (kg m2) break the triangle inequality"
+        return Found(inertia.element, inertia.name, message)
 
 
 TENSORS: tuple[Rule, ...] = (ZeroTensor(), TensorNotPositive(), TriangleInequality())

@@ -9,15 +9,17 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.joints.common import has_axis, names
-from kinetostat.lint.subject import Subject, first, vector
+from kinetostat.lint.rules.joints.common import has_axis
+from kinetostat.lint.subject import Subject, first, name_of, vector
 from kinetostat.urdf.document import Element
 from kinetostat.urdf.reading import words
 
 __all__ = ["ANGLES"]
 
-_EXACT = 1e-9  # rad: what is closer to a round angle has lost nothing
+_EXACT = 1e-9  # rad: an axis that is closer to a coordinate axis is it
+_HARMLESS = 1e-7  # rad: what is closer to a round angle displaces nothing, by 0.1 um at 1 m
 _NEARLY = 1e-3  # rad: an axis that is farther from a coordinate axis is meant so
 _PARTS = 12  # of pi: angles in steps of 15 degrees are round
 _DECIMAL = re.compile(r"[+-]?[0-9]*\.([0-9]+)")
@@ -46,7 +48,7 @@ class RoundedAngles(Rule):
 
     A robot whose axes are parallel, perpendicular or meet in a point is then not quite such a robot. Its closed inverse
     kinematics misses the pose by the rounding, exact singularities become nearly singular, and symmetric limbs differ.
-    kinetostat judges such a file with a coarser tolerance.
+    kinetostat judges such a file with a coarser tolerance. An angle with seven digits after the point is good enough.
     """
 
     code = "J205"
@@ -93,7 +95,7 @@ def _rounded_angles(joint: Element) -> Iterator[_Rounded]:
     for text, angle in zip(words(origin.attributes["rpy"]), angles, strict=True):
         steps = round(angle * _PARTS / math.pi)
         off = abs(angle - steps * math.pi / _PARTS)
-        if steps and off > _EXACT and _is_written_for(text, steps):
+        if steps and off > _HARMLESS and _is_written_for(text, steps):
             yield _Rounded(origin, text, Fraction(steps, _PARTS), off)
 
 
@@ -143,10 +145,8 @@ class NearlyAlignedAxis(Rule):
             element = first(joint, "axis")
             letter, tilt = _tilt(vector(element, "xyz", 3) or (0.0, 0.0, 0.0))
             if element is not None and _EXACT < tilt < _NEARLY:
-                found.append((joint, element, f"the axis is {tilt:.2g} rad off {letter}"))
-        if found:
-            others = f"; likewise {len(found) - 1} more: {names(j for j, _, _ in found[1:])}" if len(found) > 1 else ""
-            yield self.finding(found[0][1], found[0][2] + others, attribute="xyz")
+                found.append(Found(element, name_of(joint), f"the axis is {tilt:.2g} rad off {letter}", "xyz"))
+        yield from grouped(self, found, what="joint", few=1)
 
 
 def _tilt(axis: tuple[float, ...]) -> tuple[str, float]:

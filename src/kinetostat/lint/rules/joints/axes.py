@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator
 
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.joints.common import has_axis, kind, names
-from kinetostat.lint.subject import Subject, first, vector
+from kinetostat.lint.rules.joints.common import has_axis, kind
+from kinetostat.lint.subject import Subject, first, name_of, vector
 from kinetostat.urdf.document import Element
 from kinetostat.urdf.reader import SMALLEST_AXIS
 
@@ -36,8 +37,8 @@ def _axes(subject: Subject) -> Iterator[tuple[Element, Element, tuple[float, ...
 class ZeroAxis(Rule):
     """The axis of a joint is zero.
 
-    Such an axis has no direction. Pinocchio loads the file in silence and gives a joint that does not move anything, or
-    numbers that are not finite; other tools divide by zero.
+    Such an axis has no direction. MuJoCo and Drake refuse the file; Pinocchio loads it in silence and gives a joint
+    that does not move anything, or numbers that are not finite; yourdfpy divides by zero.
     """
 
     code = "J201"
@@ -117,7 +118,8 @@ class AxisWithoutEffect(Rule):
     """A fixed or floating joint has an axis.
 
     It has no effect, and exporters write it as a matter of course; but it may also be what is left of a joint that was
-    meant to move. One finding for the robot; an axis of zeros is not counted.
+    meant to move. One finding for the robot. An axis of zeros is not counted, nor a fixed joint that other rules name:
+    a follower (J306), or one that a transmission drives (N301).
     """
 
     code = "J204"
@@ -140,15 +142,21 @@ class AxisWithoutEffect(Rule):
 
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield one finding for all axes that have no effect."""
-        found = []
+        found, driven = [], _driven(subject)
         for joint in subject.joints:
             axis = first(joint, "axis")
-            if kind(joint) in ("fixed", "floating") and axis is not None and any(vector(axis, "xyz", 3) or ()):
-                found.append((joint, axis))
-        if found:
-            others = f"; likewise {len(found) - 1} more: {names(j for j, _ in found[1:])}" if len(found) > 1 else ""
-            message = f"the axis of a {kind(found[0][0])} joint has no effect{others}"
-            yield self.finding(found[0][1], message, attribute="xyz")
+            if kind(joint) not in ("fixed", "floating") or axis is None or not any(vector(axis, "xyz", 3) or ()):
+                continue
+            named = first(joint, "mimic") is not None or (kind(joint) == "fixed" and name_of(joint) in driven)
+            if not named:
+                message = f"the axis of a {kind(joint)} joint has no effect"
+                found.append(Found(axis, name_of(joint), message, "xyz"))
+        yield from grouped(self, found, what="joint", few=1)
+
+
+def _driven(subject: Subject) -> set[str]:
+    """Return the names of the joints that transmissions drive."""
+    return {name_of(each) for block in subject.root.all("transmission") for each in block.all("joint")}
 
 
 AXES: tuple[Rule, ...] = (ZeroAxis(), AxisNotUnit(), MissingAxis(), AxisWithoutEffect())

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.joints.common import Found, gathered, kind, moves, span, unit
-from kinetostat.lint.subject import Subject, first, number
+from kinetostat.lint.rules.joints.common import kind, moves, span, unit
+from kinetostat.lint.subject import Subject, first, name_of, number
 from kinetostat.urdf.document import Element
 
 __all__ = ["DYNAMICS"]
@@ -47,8 +48,8 @@ class SafetyWithoutVelocity(Rule):
         for joint in subject.joints:
             safety = first(joint, "safety_controller")
             if safety is not None and "k_velocity" not in safety.attributes and joint.tag == "joint":
-                found.append(Found(joint, safety, "the safety controller has no k_velocity"))
-        yield from gathered(self, found)
+                found.append(Found(safety, name_of(joint), "the safety controller has no k_velocity"))
+        yield from grouped(self, found, what="joint")
 
 
 class SoftLimits(Rule):
@@ -81,8 +82,8 @@ class SoftLimits(Rule):
                 continue
             wrong = _contradiction((lower, upper), limits)
             if wrong:
-                found.append(Found(joint, safety, f"{wrong} {unit(joint)}", "soft_lower_limit"))
-        yield from gathered(self, found)
+                found.append(Found(safety, name_of(joint), f"{wrong} {unit(joint)}", "soft_lower_limit"))
+        yield from grouped(self, found, what="joint")
 
 
 def _limits_position(safety: Element) -> bool:
@@ -125,8 +126,8 @@ class NegativeDamping(Rule):
             for key in ("damping", "friction"):
                 value = number(dynamics, key)
                 if dynamics is not None and value is not None and value < 0:
-                    found.append(Found(joint, dynamics, f"{key} {value:g} is negative", key))
-        yield from gathered(self, found)
+                    found.append(Found(dynamics, name_of(joint), f"{key} {value:g} is negative", key))
+        yield from grouped(self, found, what="joint")
 
 
 class EmptyCalibration(Rule):
@@ -150,8 +151,8 @@ class EmptyCalibration(Rule):
             calibration = first(joint, "calibration")
             known = {"rising", "falling", "reference_position"}
             if calibration is not None and not known & set(calibration.attributes):
-                found.append(Found(joint, calibration, "<calibration> with neither rising nor falling"))
-        yield from gathered(self, found)
+                found.append(Found(calibration, name_of(joint), "<calibration> with neither rising nor falling"))
+        yield from grouped(self, found, what="joint")
 
 
 class TwoEdges(Rule):
@@ -176,8 +177,8 @@ class TwoEdges(Rule):
             rising, falling = number(calibration, "rising"), number(calibration, "falling")
             if calibration is not None and span(joint) and rising is not None and falling is not None:
                 message = f"rising {rising:g} and falling {falling:g} are both given on a {kind(joint)} joint"
-                found.append(Found(joint, calibration, message, "falling"))
-        yield from gathered(self, found)
+                found.append(Found(calibration, name_of(joint), message, "falling"))
+        yield from grouped(self, found, what="joint")
 
 
 class CalibrationOutsideLimits(Rule):
@@ -206,8 +207,8 @@ class CalibrationOutsideLimits(Rule):
                 slack = _SLACK * (limits[1] - limits[0])
                 if not limits[0] - slack <= edge <= limits[1] + slack:
                     message = f"{key} {edge:g} is outside the limits [{limits[0]:.6g}, {limits[1]:.6g}] {unit(joint)}"
-                    found.append(Found(joint, calibration, message, key))
-        yield from gathered(self, found)
+                    found.append(Found(calibration, name_of(joint), message, key))
+        yield from grouped(self, found, what="joint")
 
 
 DYNAMICS: tuple[Rule, ...] = (

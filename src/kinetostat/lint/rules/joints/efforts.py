@@ -6,9 +6,10 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.joints.common import Found, gathered, kind, moves, names
-from kinetostat.lint.subject import Subject, first, number
+from kinetostat.lint.rules.joints.common import kind, moves
+from kinetostat.lint.subject import Subject, first, name_of, number
 from kinetostat.urdf.document import Element
 
 __all__ = ["EFFORTS"]
@@ -52,8 +53,8 @@ class MissingEffort(Rule):
             limit = first(joint, "limit")
             absent = [key for key in _KEYS if limit is not None and key not in limit.attributes]
             if limit is not None and absent and joint.tag == "joint":
-                found.append(Found(joint, limit, f"the limit has no {' and no '.join(absent)}"))
-        yield from gathered(self, found)
+                found.append(Found(limit, name_of(joint), f"the limit has no {' and no '.join(absent)}"))
+        yield from grouped(self, found, what="joint")
 
 
 class ZeroEffort(Rule):
@@ -80,7 +81,7 @@ class ZeroEffort(Rule):
 
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield one finding for all joints with effort 0, with velocity 0, or with both."""
-        asked, found = 0, defaultdict[tuple[str, ...], list[tuple[Element, Element]]](list)
+        asked, found = 0, defaultdict[tuple[str, ...], list[Found]](list)
         for joint in subject.joints:
             limit = first(joint, "limit")
             if limit is None or not moves(joint) or first(joint, "mimic") is not None or _is_locked(joint):
@@ -88,16 +89,14 @@ class ZeroEffort(Rule):
             asked += 1
             zero = tuple(key for key in _KEYS if number(limit, key) == 0)
             if zero:
-                found[zero].append((joint, limit))
-        for zero, pairs in found.items():
-            joints = [joint for joint, _ in pairs]
-            text = f"{' and '.join(zero)} {'is' if len(zero) == 1 else 'are'} 0"
-            if len(joints) == asked:
+                message = f"{' and '.join(zero)} {'is' if len(zero) == 1 else 'are'} 0"
+                found[zero].append(Found(limit, name_of(joint), message, zero[0]))
+        for alike in found.values():
+            if len(alike) == asked:
                 where = " for all joints that can move" if asked > 1 else ""
-                yield self.finding(pairs[0][1], text + where, attribute=zero[0])
+                yield self.finding(alike[0].at, alike[0].message + where, attribute=alike[0].attribute)
             else:
-                others = f"; likewise {len(joints) - 1} more: {names(joints[1:])}" if len(joints) > 1 else ""
-                yield self.finding(pairs[0][1], text + others, attribute=zero[0], severity=Severity.INFO)
+                yield from grouped(self, alike, what="joint", few=1, severity=Severity.INFO)
 
 
 def _is_locked(joint: Element) -> bool:
@@ -110,8 +109,9 @@ def _is_locked(joint: Element) -> bool:
 class NegativeEffort(Rule):
     """The effort or the velocity limit is negative.
 
-    A limit is a magnitude. MoveIt drops the sign, Gazebo reads a negative one as "unlimited", controllers that clamp
-    between -limit and limit get an empty range and may jump to either end.
+    A limit is a magnitude. Pinocchio refuses the file (since its release 4), and so does Drake if it is the velocity.
+    MoveIt drops the sign, Gazebo reads a negative one as "unlimited", controllers that clamp between -limit and limit
+    get an empty range and may jump to either end.
     """
 
     code = "J108"
@@ -137,8 +137,8 @@ class NegativeEffort(Rule):
             if limit is not None and negative:
                 text = " and ".join(f"{key} {value:g}" for key, value in negative.items())
                 message = f"{text} {'is' if len(negative) == 1 else 'are'} negative"
-                found.append(Found(joint, limit, message, next(iter(negative))))
-        yield from gathered(self, found)
+                found.append(Found(limit, name_of(joint), message, next(iter(negative))))
+        yield from grouped(self, found, what="joint")
 
 
 EFFORTS: tuple[Rule, ...] = (MissingEffort(), ZeroEffort(), NegativeEffort())

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from kinetostat.errors import quote
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.joints.common import Found, gathered, kind, names, span, unit
+from kinetostat.lint.rules.joints.common import kind, span, unit
 from kinetostat.lint.rules.joints.laws import Law, factors, followers, laws, leader_of
 from kinetostat.lint.subject import Subject, first, name_of
 from kinetostat.urdf.document import Element
@@ -67,15 +68,16 @@ class ZeroMultiplier(Rule):
             own = factors(mimic)
             if own is not None and own[0] == 0:
                 message = f"mimic multiplier 0: the joint stays at its offset {own[1]:g} {unit(joint)}"
-                found.append(Found(joint, mimic, message, "multiplier"))
-        yield from gathered(self, found)
+                found.append(Found(mimic, name_of(joint), message, "multiplier"))
+        yield from grouped(self, found, what="joint")
 
 
 class ImmobileFollower(Rule):
     """A joint that has no single position follows another.
 
-    On a fixed joint a `<mimic>` has no effect; often somebody has fixed the joint for a reduced model and left the rest
-    as it was (one finding for the robot). A planar or floating joint cannot follow at all.
+    On a fixed joint a `<mimic>` has no effect, and Drake refuses the file for it. Often somebody has fixed the joint
+    for a reduced model and left the rest as it was (one finding for the robot). A planar or floating joint cannot
+    follow at all.
     """
 
     code = "J306"
@@ -106,10 +108,9 @@ class ImmobileFollower(Rule):
                 message = f"a {kind(joint)} joint cannot follow another"
                 yield self.finding(joint, message, severity=Severity.ERROR, hint="remove its <mimic>")
             elif mimic is not None and kind(joint) == "fixed":
-                fixed.append((joint, mimic))
-        if fixed:
-            others = f"; likewise {len(fixed) - 1} more: {names(j for j, _ in fixed[1:])}" if len(fixed) > 1 else ""
-            yield self.finding(fixed[0][1], f"a mimic on a fixed joint has no effect{others}")
+                message = "a mimic on a fixed joint has no effect, and Drake refuses the file for it"
+                fixed.append(Found(mimic, name_of(joint), message))
+        yield from grouped(self, fixed, what="joint", few=1)
 
 
 class FollowerRange(Rule):
@@ -117,8 +118,8 @@ class FollowerRange(Rule):
 
     The two contradict each other. Where limits are enforced, as in simulation, the follower stops and holds the leader,
     or tears loose from it: a gripper that does not close, or closes with one finger. Often a sign is wrong: with
-    multiplier -1 the range of the follower runs the other way. It is only told where the leader reaches beyond both
-    limits of the follower: then those bound the pair, and the leader's own are merely generous.
+    multiplier -1 the range of the follower runs the other way. It is reported as info where the leader reaches beyond
+    both limits of the follower: then those bound the pair, and the leader's own are merely generous.
     """
 
     code = "J307"
@@ -144,22 +145,24 @@ class FollowerRange(Rule):
 
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield the followers whose limits do not hold what their leader's range makes of them."""
-        wrong, generous, law_of = list[Found](), list[Found](), laws(subject)
+        signs, ranges, generous, law_of = list[Found](), list[Found](), list[Found](), laws(subject)
         for joint, mimic in followers(subject):
             law, own = law_of[name_of(joint)], span(joint)
             sent = _sent(subject, law) if law is not None else None
             if law is None or own is None or sent is None or law.multiplier == 0:
                 continue
-            slack = _SLACK * (own[1] - own[0])
-            below, above = sent[0] < own[0] - slack, sent[1] > own[1] + slack
-            if below or above:
-                message = (
-                    f"the range of its leader {quote(law.leader, 40)} sends it to {_shown(sent)} {unit(joint)}; "
-                    f"its own limits are {_shown(own)}"
-                )
-                (generous if below and above else wrong).append(Found(joint, mimic, message))
-        yield from gathered(self, wrong)
-        yield from gathered(self, generous, severity=Severity.INFO)
+            message = (
+                f"the range of its leader {quote(law.leader, 40)} sends it to {_shown(sent)} {unit(joint)}; "
+                f"its own limits are {_shown(own)}"
+            )
+            one = Found(mimic, name_of(joint), message)
+            if all(_beyond(sent, own)):
+                generous.append(one)
+            elif any(_beyond(sent, own)):
+                (ranges if any(_beyond(_turned(sent, mimic), own)) else signs).append(one)
+        yield from grouped(self, signs, what="joint", hint=f"change the sign of the multiplier, or {self.hint}")
+        yield from grouped(self, ranges, what="joint")
+        yield from grouped(self, generous, what="joint", severity=Severity.INFO)
 
 
 def _sent(subject: Subject, law: Law) -> tuple[float, float] | None:
@@ -169,6 +172,18 @@ def _sent(subject: Subject, law: Law) -> tuple[float, float] | None:
         return None
     ends = sorted(law.multiplier * end + law.offset for end in limits)
     return ends[0], ends[1]
+
+
+def _beyond(sent: tuple[float, float], own: tuple[float, float]) -> tuple[bool, bool]:
+    """Return whether a follower is sent below its lower limit, and above its upper one."""
+    slack = _SLACK * (own[1] - own[0])
+    return sent[0] < own[0] - slack, sent[1] > own[1] + slack
+
+
+def _turned(sent: tuple[float, float], mimic: Element) -> tuple[float, float]:
+    """Return where the follower would be sent with the other sign of its multiplier: mirrored at its offset."""
+    _, offset = factors(mimic) or (1.0, 0.0)
+    return 2 * offset - sent[1], 2 * offset - sent[0]
 
 
 def _shown(limits: tuple[float, float]) -> str:
@@ -204,16 +219,16 @@ class ContinuousFollower(Rule):
     good = _GOOD
 
     def check(self, subject: Subject) -> Iterator[Finding]:
-        """Yield the continuous joints that follow another; those that roll with a slide are only told."""
+        """Yield the continuous joints that follow another; an info if they roll with a slide."""
         turning, rolling = list[Found](), list[Found]()
         for joint, mimic in followers(subject):
             leader = leader_of(subject, joint)
             if kind(joint) != "continuous" or leader is None or kind(leader) in ("fixed", "planar", "floating"):
                 continue
-            found = Found(joint, mimic, _continuous(joint, leader), "joint")
+            found = Found(mimic, name_of(joint), _continuous(joint, leader), "joint")
             (rolling if kind(leader) == "prismatic" else turning).append(found)
-        yield from gathered(self, turning)
-        yield from gathered(self, rolling, severity=Severity.INFO)
+        yield from grouped(self, turning, what="joint")
+        yield from grouped(self, rolling, what="joint", severity=Severity.INFO)
 
 
 def _continuous(joint: Element, leader: Element) -> str:

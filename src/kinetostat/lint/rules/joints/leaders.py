@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from kinetostat.errors import quote, unknown_name
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.joints.common import Found, gathered, kind, moves
+from kinetostat.lint.rules.joints.common import kind, moves
 from kinetostat.lint.rules.joints.laws import followers, laws, leader_of
 from kinetostat.lint.subject import Subject, name_of
 from kinetostat.urdf.document import Element
@@ -34,9 +35,9 @@ _GOOD = Example("""
 class MissingLeader(Rule):
     """A follower follows a joint that does not exist.
 
-    Most tools load such a file, and the joint hangs loose: kinetostat takes it as independent, a gripper closes with
-    one finger. Pinocchio, asked for mimic joints, refuses it. Often a prefix was added to the names of the joints and
-    not to the mimic.
+    Drake refuses such a file, and Pinocchio, asked for mimic joints, does, too. Most other tools load it, and the joint
+    hangs loose: kinetostat takes it as independent, a gripper closes with one finger. Often a prefix was added to the
+    names of the joints and not to the mimic.
     """
 
     code = "J301"
@@ -61,13 +62,13 @@ class MissingLeader(Rule):
             leader = mimic.attributes.get("joint")
             if leader is not None and leader not in subject.joint_elements:
                 message = f"it mimics {quote(leader)}, which does not exist: it counts as independent"
-                unknown.append(Found(joint, mimic, message, "joint"))
-        yield from gathered(self, unknown, hint=_nearest(subject, unknown[0]) if unknown else None)
+                unknown.append(Found(mimic, name_of(joint), message, "joint"))
+        yield from grouped(self, unknown, what="joint", hint=_nearest(subject, unknown[0]) if unknown else None)
 
 
 def _nearest(subject: Subject, found: Found) -> str | None:
     """Return the hint with the names nearest to a leader that does not exist."""
-    others = [name for name in subject.joint_elements if name != name_of(found.joint)]
+    others = [name for name in subject.joint_elements if name != found.name]
     return unknown_name("joint", found.at.attributes["joint"], others).remedy
 
 
@@ -148,15 +149,15 @@ class ImmobileLeader(Rule):
             leader = leader_of(subject, joint)
             if leader is not None and kind(leader) in ("fixed", "planar", "floating"):
                 message = f"it mimics the {kind(leader)} joint {quote(name_of(leader))}, which has no single position"
-                found.append(Found(joint, joint, message))
-        yield from gathered(self, found)
+                found.append(Found(joint, name_of(joint), message))
+        yield from grouped(self, found, what="joint")
 
 
 class MimicChain(Rule):
     """A follower follows a follower.
 
-    URDF does not forbid it, and kinetostat folds the chain; but several tools look up the leader once only, and fail or
-    leave the second follower where it is.
+    URDF does not forbid it, and kinetostat folds the chain; but Pinocchio, asked for mimic joints, refuses it, and what
+    looks up the leader once only leaves the second follower where it is.
     """
 
     code = "J304"
@@ -194,8 +195,8 @@ class MimicChain(Rule):
             leader, law = leader_of(subject, joint), law_of[name_of(joint)]
             if leader is not None and law is not None and law.leader != name_of(leader):
                 message = f"it mimics {quote(name_of(leader))}, which itself follows another joint"
-                found.append(Found(joint, mimic, message, "joint"))
-        yield from gathered(self, found)
+                found.append(Found(mimic, name_of(joint), message, "joint"))
+        yield from grouped(self, found, what="joint")
 
 
 LEADERS: tuple[Rule, ...] = (MissingLeader(), MimicCircle(), ImmobileLeader(), MimicChain())

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.joints.common import Found, gathered, has_range, kind, span, unit
-from kinetostat.lint.subject import Subject, first, number
+from kinetostat.lint.rules.joints.common import has_range, kind, span, unit
+from kinetostat.lint.subject import Subject, first, name_of, number
 
 __all__ = ["LIMITS"]
 
@@ -81,21 +82,21 @@ class MissingBound(Rule):
             message = f"the limit has no {absent[0]}: URDF's default 0 holds"
             if len(absent) == 2:
                 message = "the limit has neither lower nor upper: both count as 0, so the joint cannot move"
-            found.append(Found(joint, limit, message))
-        yield from gathered(self, found)
+            found.append(Found(limit, name_of(joint), message))
+        yield from grouped(self, found, what="joint")
 
 
 class SwappedLimits(Rule):
     """The lower limit is above the upper one.
 
-    Some readers swap the two, some refuse the file, some let the joint not move at all: the same file is a different
-    robot in each of them.
+    MuJoCo and PyBullet take it for a joint without limits, Drake refuses the robot, and to Pinocchio no position is
+    within the limits: the same file is a different robot in each of them.
     """
 
     code = "J103"
     name = "limits-swapped"
     severity = Severity.ERROR
-    hint = "exchange the two"
+    hint = "exchange the two; a joint that turns without stops is of type continuous"
     bad = Example("""
         <link name="base"/>
         <link name="arm"/>
@@ -147,8 +148,8 @@ class EqualLimits(Rule):
             message = f"lower and upper are both {lower:g} {unit(joint)}: the joint cannot move"
             if lower == 0 and number(limit, "effort") == 0 and number(limit, "velocity") == 0:
                 message = "lower, upper, effort and velocity are all 0: the joint cannot move"
-            found.append(Found(joint, limit, message, "upper"))
-        yield from gathered(self, found)
+            found.append(Found(limit, name_of(joint), message, "upper"))
+        yield from grouped(self, found, what="joint")
 
 
 class ZeroOutsideLimits(Rule):
@@ -182,8 +183,8 @@ class ZeroOutsideLimits(Rule):
             lower, upper = limits
             if not lower <= 0 <= upper:
                 message = f"position 0 is outside the limits [{lower:.6g}, {upper:.6g}] {unit(joint)}"
-                found.append(Found(joint, limit, message, "lower" if lower > 0 else "upper"))
-        yield from gathered(self, found)
+                found.append(Found(limit, name_of(joint), message, "lower" if lower > 0 else "upper"))
+        yield from grouped(self, found, what="joint")
 
 
 LIMITS: tuple[Rule, ...] = (MissingLimit(), MissingBound(), SwappedLimits(), EqualLimits(), ZeroOutsideLimits())

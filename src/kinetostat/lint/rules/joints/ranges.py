@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterator
 
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.joints.common import Found, gathered, has_range, kind, span
+from kinetostat.lint.rules.joints.common import has_range, kind, span
 from kinetostat.lint.subject import Subject, end_of, first, name_of, number, vector
 from kinetostat.urdf.document import Element
 from kinetostat.urdf.reading import as_number
@@ -24,8 +25,9 @@ _LONGER = 10.0  # times all distances between the joints of the robot: the slide
 class InfiniteLimit(Rule):
     """A limit is infinite.
 
-    urdfdom, and with it ROS, Gazebo, MoveIt and Pinocchio, does not read "inf" and refuses the file; yourdfpy, PyBullet
-    and MuJoCo take it. A joint without stops is of type continuous; an effort without bound is a large number.
+    urdfdom, and with it ROS, Gazebo, MoveIt and Pinocchio, does not read "inf" and refuses the file, and so does Drake;
+    yourdfpy, PyBullet and MuJoCo take it. A joint without stops is of type continuous; an effort without bound is a
+    large number.
     """
 
     code = "J109"
@@ -61,11 +63,10 @@ class InfiniteLimit(Rule):
                 message = f"lower and upper are both {infinite['lower']:g}: no position is allowed"
                 yield self.finding(joint, message, severity=Severity.ERROR)
             else:
-                message = (
-                    ", ".join(f"{key} {value:g}" for key, value in infinite.items()) + ": many tools refuse the file"
-                )
-                found.append(Found(joint, limit, message, next(iter(infinite))))
-        yield from gathered(self, found)
+                written = ", ".join(f"{key} {value:g}" for key, value in infinite.items())
+                message = f"{written}: ROS, Pinocchio and Drake refuse the file"
+                found.append(Found(limit, name_of(joint), message, next(iter(infinite))))
+        yield from grouped(self, found, what="joint")
 
 
 def _infinite(limit: Element | None) -> dict[str, float]:
@@ -110,11 +111,11 @@ class LimitsInDegrees(Rule):
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield the limits that look like degrees."""
         found = [
-            Found(joint, limit, f"{_turns(lower, upper)}: are these degrees?", _larger(lower, upper))
+            Found(limit, name_of(joint), f"{_turns(lower, upper)}: are these degrees?", _larger(lower, upper))
             for joint, limit, lower, upper in _revolute(subject)
             if _are_degrees(lower, upper)
         ]
-        yield from gathered(self, found)
+        yield from grouped(self, found, what="joint")
 
 
 class ManyTurns(Rule):
@@ -148,11 +149,11 @@ class ManyTurns(Rule):
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield the ranges of more than two turns that do not look like degrees."""
         found = [
-            Found(joint, limit, _turns(lower, upper), _larger(lower, upper))
+            Found(limit, name_of(joint), _turns(lower, upper), _larger(lower, upper))
             for joint, limit, lower, upper in _revolute(subject)
             if upper - lower > 2 * _TURN * _SLACK and not _are_degrees(lower, upper)
         ]
-        yield from gathered(self, found)
+        yield from grouped(self, found, what="joint")
 
 
 def _revolute(subject: Subject) -> Iterator[tuple[Element, Element, float, float]]:
@@ -183,7 +184,7 @@ class LongSlide(Rule):
     """A prismatic joint slides very far.
 
     URDF knows metres only. A gripper that opens by 40 (mm) opens by 40 m. It is a warning where the slide is out of all
-    proportion to the robot; where the whole robot slides, as on a planar base made of slides, it is only told.
+    proportion to the robot; where the whole robot slides, as on a planar base made of slides, it is reported as info.
     """
 
     code = "J112"
@@ -217,16 +218,16 @@ class LongSlide(Rule):
             if kind(joint) == "prismatic" and limit is not None and limits and limits[1] - limits[0] > _LONG:
                 length = limits[1] - limits[0]
                 message = f"a slide of {length:g} m, from {limits[0]:g} to {limits[1]:g}"
-                long.append((Found(joint, limit, message, _larger(*limits)), length))
+                long.append((joint, Found(limit, name_of(joint), message, _larger(*limits)), length))
         if not long:
             return
         size, base = _size(subject), _carried_by_nothing(subject)
         doubtful, large = list[Found](), list[Found]()
-        for found, length in long:
-            out_of_proportion = length > _LONGER * size and end_of(found.joint, "parent") not in base
+        for joint, found, length in long:
+            out_of_proportion = length > _LONGER * size and end_of(joint, "parent") not in base
             (doubtful if out_of_proportion else large).append(found)
-        yield from gathered(self, doubtful)
-        yield from gathered(self, large, severity=Severity.INFO, hint="right if the robot is that large")
+        yield from grouped(self, doubtful, what="joint")
+        yield from grouped(self, large, what="joint", severity=Severity.INFO, hint="right if the robot is that large")
 
 
 def _size(subject: Subject) -> float:
@@ -287,12 +288,12 @@ class ContinuousRange(Rule):
             lower, upper = number(limit, "lower"), number(limit, "upper")
             if lower is not None and upper is not None and 0 < upper - lower < _TURN / _SLACK:
                 message = f"a continuous joint: its range from {lower:g} to {upper:g} rad is ignored"
-                narrow.append(Found(joint, limit, message, "lower"))
+                narrow.append(Found(limit, name_of(joint), message, "lower"))
             else:
                 message = f"a continuous joint: its {' and '.join(given)} {'are' if len(given) > 1 else 'is'} ignored"
-                harmless.append(Found(joint, limit, message, given[0]))
-        yield from gathered(self, narrow)
-        yield from gathered(self, harmless, severity=Severity.INFO)
+                harmless.append(Found(limit, name_of(joint), message, given[0]))
+        yield from grouped(self, narrow, what="joint")
+        yield from grouped(self, harmless, what="joint", severity=Severity.INFO)
 
 
 RANGES: tuple[Rule, ...] = (InfiniteLimit(), LimitsInDegrees(), ManyTurns(), LongSlide(), ContinuousRange())

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from kinetostat.errors import quote
 from kinetostat.lint.subject import Subject, first, name_of
 from kinetostat.urdf.document import Element
 
-__all__ = ["Graph", "Loop", "graph_of", "listed", "tied"]
+__all__ = ["Graph", "Loop", "graph_of", "tied"]
 
 
 @dataclass(frozen=True)
@@ -108,10 +107,3 @@ def tied(joint: Element, end: str) -> str | None:
     """Return the link that a joint names as its "parent" or "child"; None where it names none."""
     found = first(joint, end)
     return found.attributes.get("link") if found is not None else None
-
-
-def listed(names: Iterable[str], most: int = 6) -> str:
-    """Return names in quotation marks, and how many more there are."""
-    every = list(names)
-    shown = ", ".join(quote(name) for name in every[:most])
-    return f"{shown} and {len(every) - most} more" if len(every) > most else shown

@@ -9,8 +9,8 @@ from kinetostat.conventions import FLOATING_BASE_JOINT, WORLD_LINK
 from kinetostat.errors import quote
 from kinetostat.lint.expressions import has_expression
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import listed
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.tree.graph import listed
 from kinetostat.lint.rules.tree.shape import GOOD, asked
 from kinetostat.lint.spelling import meant
 from kinetostat.lint.subject import Subject, first, name_of, vector
@@ -207,16 +207,15 @@ class SharedName(Rule):
             *_, (name, joint) = shared.items()
             message = f"link at line {links[name].line} has the same name"
             if len(shared) > 1:
-                message = f"{len(shared)} joints have the names of links: {listed(reversed(shared))}"
+                message = f"{len(shared)} joints have the names of links: {listed([*reversed(shared)])}"
             yield self.finding(joint, message, attribute="name")
 
 
 class ReservedName(Rule):
     """A name that tools keep for the world, or for the joint of a floating base.
 
-    Pinocchio calls the world `universe` and the joint of a floating base `root_joint`. Gazebo, Drake and MuJoCo call
-    the world `world`: a root link of that name is the world itself, and cannot have a mass; any other link cannot have
-    the name.
+    `universe` is Pinocchio's name for the world, `root_joint` that for the joint of a floating base. To Gazebo, Drake
+    and MuJoCo a root link called `world` is the world itself, and cannot have a mass.
     """
 
     code = "T113"
@@ -238,19 +237,17 @@ class ReservedName(Rule):
         graph = asked(subject)
         for name, element in graph.links.items():
             if name == WORLD_LINK:
-                yield self.finding(element, "Pinocchio calls the world so", attribute="name")
-            elif name == self.world and name in graph.above:
-                message = "Gazebo, Drake and MuJoCo call the world so, and this link is not the root"
-                yield self.finding(element, message, attribute="name")
-            elif name == self.world and element.all("inertial"):
+                yield self.finding(element, "'universe' is Pinocchio's name for the world", attribute="name")
+            elif name == self.world and name not in graph.above and element.all("inertial"):
                 message = "the link that stands for the world in Gazebo, Drake and MuJoCo has a mass"
                 yield self.finding(element, message, hint="remove its <inertial>, or rename it", attribute="name")
         for joint in subject.joints:
             if name_of(joint) == FLOATING_BASE_JOINT:
-                message = "Pinocchio calls the joint of a floating base so"
+                message = "'root_joint' is Pinocchio's name for the joint of a floating base"
                 yield self.finding(joint, message, attribute="name")
             elif name_of(joint) == WORLD_LINK:
-                yield self.finding(joint, "Pinocchio calls the world so, as a joint too", attribute="name")
+                message = "'universe' is Pinocchio's name for the world, which it counts as a joint"
+                yield self.finding(joint, message, attribute="name")
 
 
 class TooBig(Rule):

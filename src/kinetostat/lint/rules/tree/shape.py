@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from kinetostat.errors import quote
 from kinetostat.lint.expressions import top_tags
 from kinetostat.lint.finding import Finding, Severity
+from kinetostat.lint.grouping import listed
 from kinetostat.lint.rule import Example, Rule, RuleSkippedError
-from kinetostat.lint.rules.tree.graph import Graph, graph_of, listed, tied
+from kinetostat.lint.rules.tree.graph import Graph, graph_of, tied
 from kinetostat.lint.spelling import Speller
 from kinetostat.lint.subject import Subject, name_of
 from kinetostat.urdf.document import Element
@@ -40,8 +41,9 @@ def asked(subject: Subject) -> Graph:
 class NoLink(Rule):
     """The robot has no link.
 
-    There is nothing to place and nothing to move: every reader refuses the file. It may be a part that other files
-    include, or what is left of a xacro file that only defines macros.
+    There is nothing to place and nothing to move. urdfdom (ROS, Pinocchio) and PyBullet refuse the file; MuJoCo, Drake
+    and yourdfpy make an empty model of it. It may be a part that other files include, or what is left of a xacro file
+    that only defines macros.
     """
 
     code = "T101"
@@ -157,8 +159,9 @@ class SelfJoint(Rule):
 class TwoParents(Rule):
     """A link has two parents.
 
-    URDF describes trees. Readers refuse the file, or keep one of the two joints without saying which. A closed chain
-    needs a loop joint of the tool's own format, or a constraint beside the file.
+    URDF describes trees. MuJoCo, Drake and yourdfpy refuse the file, PyBullet crashes on it, and Pinocchio refuses it
+    or keeps both joints, as if there were two such links. A closed chain needs a loop joint of the tool's own format,
+    or a constraint beside the file.
     """
 
     code = "T105"
@@ -188,7 +191,8 @@ class TwoParents(Rule):
 class SeveralRoots(Rule):
     """Several links have no parent: the file describes several robots, or parts that are not joined.
 
-    Most readers refuse the file; yourdfpy takes the first part and leaves out the others.
+    urdfdom (ROS, Pinocchio) refuses the file and PyBullet crashes on it. MuJoCo fixes each part to the world, Drake
+    lets each float, yourdfpy takes the first part and leaves out the others.
     """
 
     code = "T106"

@@ -10,8 +10,9 @@ from kinetostat.lint.rules.xml.materials import MATERIALS
 from kinetostat.lint.rules.xml.missing import MISSING
 from kinetostat.lint.rules.xml.numbers import NUMBERS
 from kinetostat.lint.rules.xml.reading import READING, UnreadableRobot, UnusedSuppression
+from kinetostat.lint.rules.xml.refusals import REFUSALS
 
 __all__ = ["XML", "UnreadableRobot", "UnusedSuppression"]
 
-_FOUND = (*READING, *DOCUMENTS, *HEADS, *ELEMENTS, *MISSING, *MATERIALS, *NUMBERS)
+_FOUND = (*READING, *REFUSALS, *DOCUMENTS, *HEADS, *ELEMENTS, *MISSING, *MATERIALS, *NUMBERS)
 XML: tuple[Rule, ...] = tuple(sorted(_FOUND, key=lambda rule: rule.code))

@@ -21,7 +21,7 @@ class UnknownElement(Rule):
     """An element is not one of URDF's, or stands where no reader looks for it.
 
     Readers pass over what they do not know without a word, so a misspelt `<colision>` or a `<limit>` in a link simply
-    is not there. What no format known here has is only told: it may be an extension of your own.
+    is not there. What no format known here has is reported as info: it may be an extension of your own.
     """
 
     code = "X203"
@@ -71,8 +71,8 @@ class UnknownElement(Rule):
 class UnknownAttribute(Rule):
     """An attribute is not one of URDF's.
 
-    Readers pass over what they do not know without a word: with `efort="30"` a joint has no effort limit. What only
-    is not known is told, no more: your own tools may read it.
+    Readers pass over what they do not know without a word: with `efort="30"` a joint has no effort limit. What is not
+    known, but no misspelling either, is reported as info: your own tools may read it.
     """
 
     code = "X204"

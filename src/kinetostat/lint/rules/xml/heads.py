@@ -23,8 +23,8 @@ _BASE = """
 class RobotName(Rule):
     """The robot has no name.
 
-    `<robot>` must have one: urdfdom, and with it every ROS tool, Gazebo and Pinocchio, refuses a file without it. An
-    empty one is read, but an SRDF cannot refer to it.
+    `<robot>` must have one: urdfdom, and with it every ROS tool, Gazebo and Pinocchio, refuses a file without it, and
+    so do Drake, PyBullet and yourdfpy. An empty one is read, though not by Drake, but an SRDF cannot refer to it.
     """
 
     code = "X201"
@@ -51,8 +51,9 @@ class RobotName(Rule):
 class Version(Rule):
     """The version of the format is not one that all readers know.
 
-    urdfdom takes 1.0; since its release 5 also 1.1 and 1.2, which add quaternions, capsules and limits of acceleration.
-    Without the attribute a file counts as 1.0.
+    urdfdom, and with it ROS and Pinocchio, takes 1.0; since its release 5 also 1.1 and 1.2, which add quaternions,
+    capsules and limits of acceleration. It refuses any other, even "1", while MuJoCo, Drake, PyBullet and yourdfpy do
+    not look at it. Without the attribute a file counts as 1.0.
     """
 
     code = "X202"

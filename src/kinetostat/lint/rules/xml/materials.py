@@ -57,8 +57,9 @@ class UndefinedMaterial(Rule):
 class RepeatedMaterial(Rule):
     """A material is defined again: right inside the robot, or with another colour.
 
-    urdfdom, and so every ROS tool, refuses a file that defines one twice right inside `<robot>`. Where visuals define
-    the same name in several colours, readers that know materials by name give all of them the first.
+    urdfdom, and so every ROS tool and Pinocchio, refuses a file that defines one twice right inside `<robot>`, and so
+    does Drake; MuJoCo, PyBullet and yourdfpy take it. Where visuals define the same name in several colours, readers
+    that know materials by name give all of them the first.
     """
 
     code = "X211"

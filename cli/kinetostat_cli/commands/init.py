@@ -1,15 +1,17 @@
-"""`kinetostat init`: a first policy for a robot."""
+"""`kinetostat init`: a first policy for robots."""
 
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from kinetostat_cli import completion
 from kinetostat_cli.console import load, opened, say
-from kinetostat_cli.options import Base, OutputOptions, RobotOptions, grouped
+from kinetostat_cli.options import OutputOptions, RobotOptions, grouped
 
 if TYPE_CHECKING:
     from kinetostat.policy.table import RobotSettings
@@ -19,9 +21,47 @@ __all__ = ["register"]
 _SHIPPED = ("example:", "textbook:")
 
 
+@dataclass(frozen=True)
+class _Robots:
+    """Which robots, and how they are read."""
+
+    sources: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="ROBOT...",
+            help="One or several: .urdf or .xacro files, textbook:NAME or example:NAME.",
+            autocompletion=completion.robots,
+        ),
+    ] = None
+    srdf: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="SRDF with groups and states, of one robot. Default: the one beside it."),
+    ] = None
+    package_dir: Annotated[
+        list[Path] | None, typer.Option(metavar="DIR", help="Look for packages here first. May be repeated.")
+    ] = None
+    xacro_arg: Annotated[
+        list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of a xacro file. May be repeated.")
+    ] = None
+    max_bytes: Annotated[int, typer.Option(min=1, metavar="N", help="Refuse larger files.")] = 64 * 1024 * 1024
+
+    def each(self) -> list[RobotOptions]:
+        """Return the robots one by one, each once."""
+        return [
+            RobotOptions(
+                source,
+                srdf=self.srdf,
+                package_dir=self.package_dir,
+                xacro_arg=self.xacro_arg if source.endswith(".xacro") else None,
+                max_bytes=self.max_bytes,
+            )
+            for source in dict.fromkeys(self.sources or [])
+        ]
+
+
 @grouped
 def init(
-    robot: RobotOptions,
+    robots: _Robots,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -29,33 +69,63 @@ def init(
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite a file that is there.")] = False,
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also say what is odd about the file.")] = False,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Write the JSON schema of kinetostat.toml instead, for editors.")
+    ] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also say what is odd about the files.")] = False,
     debug: Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")] = False,  # noqa: ARG001 (main reads it)
 ) -> None:
-    """Write a first policy for a robot.
+    """Write a first policy for robots.
 
-    A commented kinetostat.toml for 'kinetostat check': what is true of the robot now, as expectations with some margin.
+    A commented kinetostat.toml for 'kinetostat check': what is true of each robot now, as expectations with some margin.
 
     Example: kinetostat init example:panda
     """
-    from kinetostat.errors import UsageError, quote
-    from kinetostat.policy.draft.writing import drafted
-
     to = OutputOptions(output=output, verbose=verbose)
-    written = output is not None and output != Path("-")
-    if robot.source == "-":
-        raise UsageError("a policy names its robot: standard input has no name", remedy="save it to a file")
-    if robot.base is Base.FLOATING:
-        raise UsageError("--base floating is not for a policy", remedy="leave it out")
-    if written and output is not None and os.path.lexists(output) and not force:
-        raise UsageError(f"{quote(str(output))} is there already", remedy="--force overwrites it")
-    model = load(robot, to)
-    folder = output.parent if written and output is not None else Path()
-    text = drafted(model, _settings(robot, folder))
+    written = output if output is not None and output != Path("-") else None
+    _refuse_overwriting(written, force=force)
+    text = _schema(robots) if schema else _policy(robots, to, Path() if written is None else written.parent)
     with opened(to) as write:
         write(text)
-    if written:
-        say("written", f"{output}: 'kinetostat check' reads it")
+    if written is not None:
+        use = f"line 1 of kinetostat.toml: #:schema ./{written.name}" if schema else "'kinetostat check' reads it"
+        say("written", f"{written}: {use}")
+
+
+def _refuse_overwriting(path: Path | None, *, force: bool) -> None:
+    from kinetostat.errors import UsageError, quote
+
+    if path is not None and os.path.lexists(path) and not force:
+        remedy = (
+            "--force overwrites it; to add a robot to it, run this without -o and copy the lines from [[robots]] on "
+            "to its end"
+        )
+        raise UsageError(f"{quote(str(path))} is there already", remedy=remedy)
+
+
+def _schema(robots: _Robots) -> str:
+    """Return the JSON schema of settings files."""
+    from kinetostat.errors import UsageError
+    from kinetostat.policy.schema import text
+
+    if robots.sources:
+        raise UsageError("--schema is of no robot", remedy="leave the robots out")
+    return text()
+
+
+def _policy(robots: _Robots, to: OutputOptions, folder: Path) -> str:
+    """Return a settings file for robots; they are all read before anything is written."""
+    from kinetostat.errors import UsageError
+    from kinetostat.policy.draft.writing import drafted
+
+    several = robots.each()
+    if not several:
+        raise UsageError("Missing argument 'ROBOT...'", remedy="for instance kinetostat init robots/arm.urdf")
+    if any(robot.source == "-" for robot in several):
+        raise UsageError("a policy names its robot: standard input has no name", remedy="save it to a file")
+    if robots.srdf is not None and len(several) > 1:
+        raise UsageError("--srdf is for one robot", remedy="put each SRDF beside its robot, or write srdf = ... later")
+    return drafted([(load(robot, to), _settings(robot, folder)) for robot in several])
 
 
 def _settings(robot: RobotOptions, folder: Path) -> RobotSettings:

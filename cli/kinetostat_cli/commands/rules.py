@@ -19,16 +19,17 @@ def rules(
         list[str] | None, typer.Option(metavar="CODES", help="Only these: a family J, a beginning J1, a code.")
     ] = None,
 ) -> None:
-    """List the rules that check asks.
+    """List the rules that check asks, and the kinds of expectations that a policy has.
 
     Example: kinetostat rules --select K
     """
+    from kinetostat.lint.registry import chosen
+    from kinetostat.policy.manual import kind_pages
     from kinetostat.report.rules import rules_result, rules_view
 
-    from kinetostat.lint.registry import chosen
-
     found = chosen([code for word in select or [] for code in word.split(",")])
-    write_answer(Answer("rules", lambda: rules_view(found), lambda: rules_result(found)), output)
+    kinds = () if select else kind_pages()
+    write_answer(Answer("rules", lambda: rules_view(found, kinds), lambda: rules_result(found, kinds)), output)
 
 
 def register(app: typer.Typer) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,7 +71,10 @@ def worst_torques(
     gravity: Sequence[float] | Array | bool = True,
     payload: Payload | None = None,
     limits: Mapping[str, float | tuple[float, float]] | None = None,
+    joints: Collection[str] | None = None,
     samples: int = 2000,
+    starts: int = _POLISHED,
+    also: Array | None = None,
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
 ) -> WorstTorques:
@@ -88,31 +91,39 @@ def worst_torques(
         gravity: True (9.81 m/s2 down the root's z) or a vector (3,) in the root's axes.
         payload: a mass that is held.
         limits: effort limits of joints instead of the file's: a number, or (lower, upper).
+        joints: names of the joints whose torque is asked for, each with one coordinate; default, all of them.
         samples: how many random configurations.
+        starts: from how many of the worst of them is climbed, for each joint.
+        also: further configurations (k, nq) inside limits that are looked at like samples.
         seed: the same seed gives the same samples.
         progress: told what is being done, and which share of it is.
 
     Raises:
         UnknownNameError: no such frame or joint.
-        UsageError: no joint that may move; samples, gravity, payload or limits that cannot be.
+        UsageError: no joint that may move, or that is asked for; samples, starts, gravity, payload or limits that cannot be.
         ConfigurationError: q has another shape, or a number that is not finite.
         NumberError: a link's mass is negative.
     """
     robot, q, down = model.robot, checked(model.robot, q), checked_gravity(gravity)
-    joints = [joint for joint in robot.independent if joint.type.nq == 1]
-    if not joints:
+    moving = [joint for joint in robot.independent if joint.type.nq == 1]
+    if not moving:
         raise UsageError("no worst torque: the robot has no joint with one coordinate")
+    asked = _asked(robot, moving, joints)
     if q.ndim != 1:
         raise UsageError("a worst torque is looked for from one configuration on")
     if not 1 <= samples <= 1_000_000:
         raise UsageError(f"between 1 and 1,000,000 samples, not {samples}")
-    drawn = _drawn(robot, q, joints, samples, seed)
-    climb = _Climb(robot, model.engine, down, carried(robot, payload, down), joints)
+    if starts < 1:
+        raise UsageError(f"a climb has one start at least, not {starts}")
+    drawn = _drawn(robot, q, moving, samples, seed)
+    if also is not None:
+        drawn = np.concatenate([checked(robot, also).reshape(-1, robot.nq), drawn])
+    climb = _Climb(robot, model.engine, down, carried(robot, payload, down), moving, starts)
     torques = climb.engine.holding_torques(drawn, down, climb.loads)
     worst, witnesses, agreed = [], [], []
-    for i, joint in enumerate(joints):
+    for i, joint in enumerate(asked):
         if progress is not None:
-            progress(f"joint {joint.name}", i / len(joints))
+            progress(f"joint {joint.name}", i / len(asked))
         found = climb.worst(joint, drawn, torques)
         best = max(range(len(found)), key=lambda k: abs(found[k][0]))
         worst.append(found[best][0])
@@ -120,10 +131,10 @@ def worst_torques(
         agreed.append(sum(abs(abs(value) - abs(worst[-1])) <= _AGREE * abs(worst[-1]) for value, _ in found))
     at = np.array(witnesses)
     proof = torque(model, at, gravity=down, payload=payload, limits=limits)
-    columns = robot.velocity_columns(joints)
-    rows = np.arange(len(joints))
+    columns = robot.velocity_columns(asked)
+    rows = np.arange(len(asked))
     return WorstTorques(
-        tuple(joint.name for joint in joints),
+        tuple(joint.name for joint in asked),
         tuple(proof.units[column] for column in columns),
         payload,
         down,
@@ -132,11 +143,22 @@ def worst_torques(
         proof.limits,
         proof.utilisation[rows, columns],
         samples,
-        min(_POLISHED, samples),
+        min(starts, len(drawn)),
         np.array(agreed),
         proof.certificate,
-        (*proof.warnings, *_about_ranges(joints)),
+        (*proof.warnings, *_about_ranges(moving)),
     )
+
+
+def _asked(robot: Robot, moving: list[Joint], names: Collection[str] | None) -> list[Joint]:
+    """Return the joints that are asked for, in file order."""
+    if names is None:
+        return moving
+    wanted = {robot.independent_joint(name).name for name in names}
+    asked = [joint for joint in moving if joint.name in wanted]
+    if len(asked) < len(wanted) or not asked:
+        raise UsageError("a worst torque is looked for of joints with one coordinate, one at least")
+    return asked
 
 
 def _drawn(robot: Robot, q: Array, joints: Sequence[Joint], samples: int, seed: int) -> Array:
@@ -173,12 +195,13 @@ class _Climb:
     gravity: Array
     loads: Sequence[Load]
     joints: Sequence[Joint]
+    starts: int
 
     def worst(self, joint: Joint, drawn: Array, torques: Array) -> list[tuple[float, Array]]:
         """Return torque and configuration of the maxima that the worst samples for a joint lead to."""
         column = self.robot.velocity_slices[joint.name].start
         sizes = np.abs(torques[:, column])
-        order = np.argsort(-sizes, kind="stable")[:_POLISHED]
+        order = np.argsort(-sizes, kind="stable")[: self.starts]
         if sizes[order[0]] <= _ROUNDING * float(np.max(np.abs(torques))):  # weight does not turn this joint
             return [(float(torques[i, column]), drawn[i]) for i in order]
         return [self._climbed(column, drawn[i], math.copysign(1.0, torques[i, column])) for i in order]

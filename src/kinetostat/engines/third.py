@@ -26,7 +26,7 @@ from kinetostat.conventions import Array
 from kinetostat.errors import EngineError, cut, quote
 from kinetostat.urdf.description import Joint, JointType, Robot
 
-__all__ = ["ThirdReader"]
+__all__ = ["ThirdReader", "warm_up"]
 
 MOST_LINKS = 4000  # beyond them it takes seconds: some of its look-ups go through all links
 _UNIT = 1e-12
@@ -158,6 +158,12 @@ class ThirdReader:
                 origin = np.eye(4) if inertial.origin is None else inertial.origin
                 found[link.name] = float(inertial.mass), np.array(origin[:3, 3])
         return found
+
+
+def warm_up() -> None:
+    """Import yourdfpy, which takes half a second, before a robot waits for it."""
+    with contextlib.suppress(EngineError), _watched("loads"):
+        _loaded(b'<robot name="none"><link name="a"/></robot>')
 
 
 def _loaded(data: bytes) -> Any:

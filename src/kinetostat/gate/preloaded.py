@@ -12,3 +12,5 @@ import kinetostat.engines.third
 import kinetostat.gate.checking
 import kinetostat.lint.linting
 import kinetostat.policy.judging  # noqa: F401
+
+kinetostat.engines.third.warm_up()

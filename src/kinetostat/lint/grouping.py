@@ -57,10 +57,9 @@ def grouped(
         file: the file of the elements, if it is not the robot's own.
     """
     for first, *rest in _groups(found, few, alike=alike):
-        others = [each.name for each in rest if each.name != first.name]
         yield rule.finding(
             first.at,
-            first.message + also(others, what),
+            first.message + also([each.name for each in rest], what),
             severity=severity,
             hint=hint,
             attribute=first.attribute,
@@ -81,7 +80,8 @@ def also(others: Collection[str], what: str) -> str:
     """Return the end of a message that says what else it holds for: `; likewise 2 more joints: 'a', 'b'`."""
     if not others:
         return ""
-    return f"; likewise {len(others)} more {what if len(others) == 1 else f'{what}s'}: {listed(others)}"
+    plural = "" if len(others) == 1 else "es" if what.endswith("sh") else "s"
+    return f"; likewise {len(others)} more {what}{plural}: {listed(others)}"
 
 
 def listed(names: Collection[str]) -> str:

@@ -17,7 +17,7 @@ from kinetostat.lint.subject import Subject
 from kinetostat.urdf.document import Element
 from kinetostat.urdf.packages import Packages, Reason, other_case
 
-__all__ = ["MANY", "NamedFile", "named_files", "scaled_meshes"]
+__all__ = ["MANY", "NamedFile", "last_name", "named_files", "scaled_meshes"]
 
 MANY = 1000  # different names that are looked for
 _SEARCHES = 100  # missing names of which folders are searched for another case
@@ -54,13 +54,18 @@ class NamedFile:
     @property
     def extension(self) -> str:
         """The end of its name, in lower case and without the dot; empty without one."""
-        last = self.name.replace("\\", "/").rpartition("/")[2]
+        last = last_name(self.name)
         return last.rpartition(".")[2].lower() if "." in last else ""
 
     @property
     def is_texture(self) -> bool:
         """Whether it is named as a picture, not as a mesh."""
         return self.first.tag == "texture"
+
+
+def last_name(name: str) -> str:
+    """Return the name of a file without its folders."""
+    return name.replace("\\", "/").rpartition("/")[2]
 
 
 def named_files(subject: Subject) -> Mapping[str, NamedFile]:

@@ -19,6 +19,7 @@ class Outcome:
         found: what is, with its unit; or why it could not be judged.
         witness: where it is so: positions of joints, rad and m; empty where there is none.
         place: the file and line of the expectation: `kinetostat.toml:12`.
+        remedy: a command, to be pasted, that makes what is now what is wanted; empty where there is none.
     """
 
     kind: str
@@ -28,3 +29,4 @@ class Outcome:
     found: str
     witness: dict[str, float] = field(default_factory=dict)
     place: str = ""
+    remedy: str = ""

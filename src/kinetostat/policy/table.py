@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct, field
 
 from kinetostat.policy.expectations import Expectation
+from kinetostat.policy.kinds.common import measured_in
 
 __all__ = ["CheckSettings", "RobotSettings", "Settings"]
 
@@ -17,7 +18,10 @@ Codes = tuple[str, ...]
 class CheckSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"):
     """How `kinetostat check` checks. What its command line says goes before."""
 
-    select: Annotated[Codes, Meta(description="Rules that are asked, by code, name or family, 'J'. Default: all.")] = ()
+    select: Annotated[
+        Codes,
+        Meta(description="Rules that are asked, by code, name or family. Default: all.", examples=[("J", "I208")]),
+    ] = ()
     ignore: Annotated[Codes, Meta(description="Rules that are not asked, likewise.")] = ()
     fail_on: Annotated[
         Literal["error", "warning", "info"], Meta(description="A finding so bad, or worse, fails a file.")
@@ -26,7 +30,9 @@ class CheckSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         int, Meta(ge=0, le=10_000, description="Configurations at which readers are compared; 0 for none.")
     ] = 20
     seed: Annotated[int, Meta(ge=0, le=2**32, description="Of the random configurations.")] = 0
-    timeout: Annotated[float, Meta(gt=0, description="Seconds after which a robot counts as crashed.")] = 120.0
+    timeout: Annotated[
+        float, Meta(gt=0, description="After so long a robot counts as crashed.", extra=measured_in("s"))
+    ] = 120.0
     baseline: Annotated[
         str, Meta(description="A file of findings that are known, beside this one: only new ones fail.")
     ] = ""

@@ -9,6 +9,8 @@ from kinetostat.errors import cut
 from kinetostat.lint.registry import FAMILIES
 from kinetostat.lint.rule import Example, Needs, Rule
 from kinetostat.lint.rules.xml import UnusedSuppression
+from kinetostat.policy.manual import Page
+from kinetostat.report.expectations import expectations_table, listed_expectations
 from kinetostat.report.json import Json
 from kinetostat.report.view import Cell, Table, View
 
@@ -19,8 +21,8 @@ _MOST_LINES = 32  # a longer one is shown by its beginning and its end
 _HEAD, _TAIL = 10, 2
 
 
-def rules_view(rules: Sequence[Rule]) -> View:
-    """Return the view of all rules: a table for each family; for CSV one table of all."""
+def rules_view(rules: Sequence[Rule], expectations: Sequence[Page] = ()) -> View:
+    """Return the view of all rules, a table a family, then the kinds of expectations; for CSV the rules alone."""
     header = ("code", "severity", "name", "aim")
     tables = []
     for letter, family in FAMILIES.items():
@@ -30,6 +32,10 @@ def rules_view(rules: Sequence[Rule]) -> View:
     flat = Table(header, tuple(_row(rule) for rule in rules), words=True)
     count = f"{len(rules)} rule{'' if len(rules) == 1 else 's'}"
     note = "'kinetostat explain CODE' tells why a rule matters, with a bad and a good example"
+    if expectations:
+        tables.append(expectations_table(expectations))
+        count += f", {len(expectations)} kinds of expectations"
+        note += "; 'kinetostat explain KIND' what an expectation means, with its keys"
     return View(count, tuple(tables), (note,), flat=flat)
 
 
@@ -90,9 +96,10 @@ def shortened(text: str) -> str:
     return "\n".join(lines)
 
 
-def rules_result(rules: Sequence[Rule]) -> Json:
+def rules_result(rules: Sequence[Rule], expectations: Sequence[Page] = ()) -> Json:
     """Return the result object of `rules`."""
-    return {"families": dict(FAMILIES), "rules": [_said(rule) for rule in rules]}
+    listed = listed_expectations(expectations)
+    return {"families": dict(FAMILIES), "rules": [_said(rule) for rule in rules], "expectations": listed}
 
 
 def explain_result(rule: Rule) -> Json:

@@ -19,7 +19,7 @@ from kinetostat.analysis.difference.displacement import Displacement, Reach, dis
 from kinetostat.analysis.difference.effort import WorstEffort, bears_on_effort, worst_efforts
 from kinetostat.analysis.difference.matching import Matching
 from kinetostat.analysis.difference.motion import Tip, motions
-from kinetostat.analysis.difference.structure import Change, Tolerance
+from kinetostat.analysis.difference.change import Change, Tolerance
 from kinetostat.engines.model import Model
 from kinetostat.errors import NumberError, UsageError
 

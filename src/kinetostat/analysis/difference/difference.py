@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from kinetostat.analysis.difference.consequences import Consequences, Question, consequences
 from kinetostat.analysis.difference.matching import Matching, match
-from kinetostat.analysis.difference.structure import Change, Tolerance, changes
+from kinetostat.analysis.difference.change import Change, Tolerance
+from kinetostat.analysis.difference.structure import changes
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, cut, quote, unknown_name
 

@@ -29,6 +29,7 @@ from kinetostat.urdf.description import Joint, Robot
 __all__ = ["Displacement", "Extreme", "Reach", "displacement", "reach"]
 
 _NO_DIRECTION = 1e-300
+_NO_TURN = 1e-12  # rad
 
 
 @dataclass(frozen=True)
@@ -87,8 +88,13 @@ class _Coordinate:
     upper: float
 
 
-def displacement(a: Model, b: Model, tip: Tip, matching: Matching, samples: int, seed: int) -> Displacement:
+def displacement(
+    a: Model, b: Model, tip: Tip, matching: Matching, samples: int, seed: int, like: Displacement | None = None
+) -> Displacement:
     """Return how far a tip of B is from that of A, at most.
+
+    Tips that the same thing displaces turn alike, and where it does not turn them, they shift alike: what has been
+    found of one of them holds for the others, and is certified for each.
 
     Args:
         a: one robot.
@@ -97,13 +103,18 @@ def displacement(a: Model, b: Model, tip: Tip, matching: Matching, samples: int,
         matching: which joint is which.
         samples: how many random configurations are looked at before the climb.
         seed: the same seed gives the same ones.
+        like: the displacement of another tip of its group, see `Tip`; None if it is the first.
 
     Raises:
         EngineError: Pinocchio refuses a robot.
     """
     pair = _Pair.of(a.robot, b.robot, tip, matching)
-    lower, upper = (np.array([getattr(c, end) for c in pair.common]) for end in ("lower", "upper"))
-    apart, turned = (largest(f, lower, upper, samples, seed) for f in (pair.translation, pair.rotation))
+    if like is None:
+        turned = pair.largest(pair.rotation, samples, seed)
+        apart = pair.largest(pair.translation, samples, seed)
+    else:
+        turned, unturned = pair.placed(like.rotation), like.rotation.value <= _NO_TURN
+        apart = pair.placed(like.translation) if unturned else pair.largest(pair.translation, samples, seed)
     witnesses = [pair.configurations(found.at) for found in (apart, turned)]
     proofs, gaps = list[Certificate](), list[Array]()
     for ours, theirs in witnesses:
@@ -142,6 +153,16 @@ class _Pair:
                 if name in places:
                     spread[k][i, places[name]] = 1.0
         return cls((a, b), (found[0][0], found[1][0]), common, (spread[0], spread[1]))
+
+    def largest(self, objective: Objective, samples: int, seed: int) -> Largest:
+        """Return the largest value inside the limits of both."""
+        lower, upper = (np.array([getattr(c, end) for c in self.common]) for end in ("lower", "upper"))
+        return largest(objective, lower, upper, samples, seed)
+
+    def placed(self, extreme: Extreme) -> Largest:
+        """Return an extreme of another tip at the coordinates of this one; those that it lacks are as near to zero."""
+        at = [extreme.witness.get(c.ours, min(max(0.0, c.lower), c.upper)) for c in self.common]
+        return Largest(extreme.value, np.array(at), extreme.everywhere)
 
     def translation(self, x: Array) -> tuple[Array, Array]:
         """Return the distance of the tips, m, and its gradient."""

@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypedDict
+
+import numpy as np
 
 from kinetostat.analysis.configuration import neutral
 from kinetostat.analysis.crosscheck import Certificate, combined
 from kinetostat.analysis.difference.matching import Matching
-from kinetostat.analysis.difference.structure import Change
 from kinetostat.analysis.worst import WorstTorques, worst_torques
+from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 
-__all__ = ["WorstEffort", "bears_on_effort", "worst_efforts"]
+__all__ = ["WorstEffort", "worst_efforts"]
 
 _NOISE = 1e-5  # of a torque: what the search for the worst is good for
 _NOTHING = 1e-9  # of the largest torque: one below it is none
 
-_BEARING = frozenset(
-    {"type", "parent", "child", "position", "orientation", "axis", "pitch", "lower", "upper", "effort"}
-    | {"mimic", "mimic multiplier", "mimic offset", "mass", "centre of mass", "root link"}
-)
+_CLIMBS = 41_000  # times coordinates of both robots: half a minute on one core
+_MOST, _FEWEST = 8, 2  # starts of the climb for each joint
+_SMALL = 30  # coordinates; robots with more of them get fewer samples
+_FEWER = 300
 
 
 @dataclass(frozen=True)
@@ -52,51 +55,79 @@ class WorstEffort:
         return (self.share_after or 0.0) > 1 >= (self.share_before or 0.0)
 
 
-def bears_on_effort(change: Change) -> bool:
-    """Return whether a change may bear on the torques that weight asks, or on what joints may give."""
-    return change.element != "state" and (change.kind in ("added", "removed") or change.attribute in _BEARING)
-
-
 def worst_efforts(
     a: Model,
     b: Model,
     matching: Matching,
+    joints: Sequence[str],
     share: float,
     *,
     samples: int,
     seed: int,
     progress: Callable[[str, float], None] | None = None,
 ) -> tuple[tuple[WorstEffort, ...], Certificate]:
-    """Return the joints of both robots whose worst gravity torque, or its share of the effort limit, changed.
+    """Return the joints whose worst gravity torque, or its share of the effort limit, changed.
 
-    Gravity is 9.81 m/s2 down the root's z; joints with several coordinates are held at zero.
+    Gravity is 9.81 m/s2 down the root's z; joints with several coordinates are held at zero. Each robot is also tried
+    where the other's torque is worst, so that a maximum which the search finds in one alone is no change.
 
     Args:
         a: one robot.
         b: the other.
         matching: which joint is which.
+        joints: the joints that are looked at, by A's names, see `loaded_joints`.
         share: of a torque, below which a change does not count.
-        samples: how many random configurations are looked at before the climb.
+        samples: how many random configurations are looked at before the climb; fewer for large robots.
         seed: the same seed gives the same ones.
         progress: told what is being done, and which share of it is.
 
     Raises:
-        UsageError: a robot has no joint with one coordinate.
+        UsageError: too much work: many joints of large robots; none.
         NumberError: a link's mass is negative.
     """
-    found = [
-        worst_torques(model, neutral(model.robot), samples=samples, seed=seed, progress=progress) for model in (a, b)
-    ]
-    ours, theirs = (_by_joint(result, model) for result, model in zip(found, (a, b), strict=True))
-    same = matching.joints
-    pairs = [(name, one, theirs[same[name]]) for name, one in ours.items() if same.get(name) in theirs]
-    least = _NOTHING * max((one.torque for one in (*ours.values(), *theirs.values())), default=0.0)
+    size = a.robot.nv + b.robot.nv
+    starts = min(_MOST, _CLIMBS // (size * max(1, len(joints))))
+    if starts < _FEWEST:
+        raise UsageError(f"{len(joints)} joints of robots with {a.robot.nv} and {b.robot.nv} coordinates are too many")
+    asked: _Asked = {"samples": samples if size <= 2 * _SMALL else min(samples, _FEWER), "seed": seed}
+    theirs = [matching.joints[name] for name in joints]
+    first = worst_torques(a, neutral(a.robot), joints=joints, starts=starts, progress=progress, **asked)
+    there = _carried(first.witnesses, a, b, matching.joints)
+    second = worst_torques(b, neutral(b.robot), joints=theirs, starts=starts, also=there, progress=progress, **asked)
+    ours, after = _by_joint(first, a), _by_joint(second, b)
+    grown = [n for n in joints if _apart(ours[n].torque, after[matching.joints[n]].torque, max(share, _NOISE))]
+    proofs = [first.certificate, second.certificate]
+    if grown:
+        here = _carried(second.witnesses, b, a, matching.joints_back)
+        asked["samples"] = 1
+        again = worst_torques(a, neutral(a.robot), joints=grown, starts=1, also=here, **asked)
+        proofs.append(again.certificate)
+        better = _by_joint(again, a)
+        ours |= {name: one for name, one in better.items() if one.torque > ours[name].torque}
+    least = _NOTHING * max((one.torque for one in (*ours.values(), *after.values())), default=0.0)
     told = tuple(
-        WorstEffort(name, after.unit, before.torque, after.torque, before.share, after.share, after.witness)
-        for name, before, after in pairs
-        if _differ(before, after, max(share, _NOISE), least)
+        WorstEffort(name, now.unit, was.torque, now.torque, was.share, now.share, now.witness)
+        for name, was, now in ((n, ours[n], after[matching.joints[n]]) for n in joints)
+        if _differ(was, now, max(share, _NOISE), least)
     )
-    return told, combined([result.certificate for result in found])
+    return told, combined(proofs)
+
+
+class _Asked(TypedDict):
+    samples: int
+    seed: int
+
+
+def _carried(witnesses: Array, one: Model, other: Model, names: dict[str, str]) -> Array:
+    """Return configurations of one robot as those of the other, inside its limits; what it has alone is at zero."""
+    carried = np.tile(neutral(other.robot), (len(witnesses), 1))
+    for joint in one.robot.independent:
+        theirs = other.robot.joint_by_name.get(names.get(joint.name, ""))
+        if joint.type.nq == 1 and theirs is not None and theirs.type is joint.type and theirs.mimic is None:
+            lower, upper = theirs.limit.range
+            positions = np.clip(witnesses[:, one.robot.position_slices[joint.name]], lower, upper)
+            carried[:, other.robot.position_slices[theirs.name]] = positions
+    return carried
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from kinetostat.urdf.description import Joint, JointType, Mimic, Robot
 
 __all__ = ["Motions", "Tip", "motions"]
 
+_DECIMALS = 9  # of placements that are sorted by being equal
 _ROUNDING = 1e-12  # rad, and of the length: what remains of a placement that is written another way
 
 
@@ -32,7 +33,9 @@ class Tip:
         alike: whether it moves in both in the same way.
         ranges_alike: whether the joints that move it have the same limits.
         shape_alike: whether the axes that move it lie alike among each other, wherever the ground and the tip are.
-        body: names of the joints next to it in A and B: tips with the same are on one rigid body.
+        group: what it is displaced by, or what limits it: tips with the same have, beyond the last thing that changed,
+            the same rigid body or chain in both robots.
+        depth: how many joints move it in A, followers among them.
     """
 
     name: str
@@ -41,7 +44,8 @@ class Tip:
     alike: bool
     ranges_alike: bool
     shape_alike: bool
-    body: tuple[str | None, str | None]
+    group: tuple[str | float, ...]
+    depth: int
 
 
 @dataclass(frozen=True)
@@ -100,10 +104,11 @@ class _Bodies:
     of: dict[str, tuple[str | None, Array]] = field(default_factory=dict)
     above: dict[str, tuple[str | None, Array]] = field(default_factory=dict)
     free: dict[str, Joint | None] = field(default_factory=dict)
+    depth: dict[str | None, int] = field(default_factory=dict)  # of a carrier: the joints from the base to it
 
     @classmethod
     def below(cls, robot: Robot, base: str) -> _Bodies:
-        bodies, placed = cls({base: (None, np.eye(4))}, {}, {base: None}), joint_placements(robot)
+        bodies, placed = cls({base: (None, np.eye(4))}, {}, {base: None}, {None: 0}), joint_placements(robot)
         waiting = [base]
         for link in waiting:
             carrier, placement = bodies.of[link]
@@ -116,16 +121,26 @@ class _Bodies:
                 else:
                     bodies.of[joint.child] = joint.name, np.eye(4)
                     bodies.above[joint.name] = carrier, here
+                    bodies.depth[joint.name] = bodies.depth[carrier] + 1
         return bodies
 
 
 @dataclass(frozen=True)
 class _Verdict:
-    """Of a joint that both robots have: whether it moves its body alike as seen from the base, and in shape; ranges."""
+    """Of a joint that both robots have: whether it moves its body alike as seen from the base, and in shape; ranges.
+
+    `moved` is the last joint on the way to it that moves otherwise, `limited` the last one with other limits.
+    """
 
     alike: bool
     shape: bool
     ranges: bool
+    moved: str | None = None
+    limited: str | None = None
+
+    @classmethod
+    def apart(cls, joint: str) -> _Verdict:
+        return cls(False, False, False, joint, joint)
 
 
 _ALIKE, _APART = _Verdict(True, True, True), _Verdict(False, False, False)
@@ -155,7 +170,21 @@ class _Alike:
         else:
             verdict = self._carried(carrier) if self.matching.joints.get(carrier) == other else _APART
         ground, alike = self._ground(ours, theirs), verdict.alike and _equal(here, there)
-        return Tip(ours, theirs, ground, alike, verdict.ranges, verdict.shape, (carrier, other))
+        group = self._group(verdict, (carrier or "", here), (other or "", there))
+        depth = self.bodies[0].depth[carrier]
+        return Tip(ours, theirs, ground, alike, verdict.ranges, verdict.shape, (*ground, *group), depth)
+
+    @staticmethod
+    def _group(verdict: _Verdict, ours: tuple[str, Array], theirs: tuple[str, Array]) -> tuple[str | float, ...]:
+        """Return what tells the tips apart that different things displace.
+
+        A tip at P_a C in one robot and at P_b G C in the other, C(q) the same in both, turns by the angle of P_b G and
+        P_a, whatever C is.
+        """
+        if _equal(ours[1], theirs[1]) and verdict is not _APART:
+            return ("moved", verdict.moved) if verdict.moved else ("limited", verdict.limited or "")
+        between = theirs[1] @ np.linalg.inv(ours[1])
+        return ("body", ours[0], theirs[0], *(float(value) + 0.0 for value in between[:3].ravel().round(_DECIMALS)))
 
     def _carried(self, name: str) -> _Verdict:
         """Return whether a joint of A carries its body as its counterpart does."""
@@ -172,7 +201,7 @@ class _Alike:
         """Judge a joint of A, the one that carries its body being judged already."""
         other = self.matching.joints.get(name)
         if other is None or other not in self.bodies[1].above:
-            return _APART
+            return _Verdict.apart(name)
         ours, theirs = self.a.joint_by_name[name], self.b.joint_by_name[other]
         if ours.type is theirs.type is JointType.FLOATING:
             return _ALIKE
@@ -180,12 +209,19 @@ class _Alike:
         same, placed, ranges = self._same_motion(ours, theirs), _equal(here, there), _same_range(ours, theirs)
         if carrier is None or counterpart is None:
             same = same and carrier is counterpart
-            return _Verdict(same and placed, same, ranges)
+            moved, limited = None if same and placed else name, None if ranges else name
+            return _Verdict(same and placed, same, ranges, moved, limited)
         if self.matching.joints.get(carrier) != counterpart:
-            return _APART
+            return _Verdict.apart(name)
         before = self.judged[carrier]
         same = same and placed
-        return _Verdict(before.alike and same, before.shape and same, before.ranges and ranges)
+        return _Verdict(
+            before.alike and same,
+            before.shape and same,
+            before.ranges and ranges,
+            before.moved if same else name,
+            before.limited if ranges else name,
+        )
 
     def _same_motion(self, ours: Joint, theirs: Joint) -> bool:
         """Return whether two joints move alike what they carry: type, axis, pitch, and law if they follow."""

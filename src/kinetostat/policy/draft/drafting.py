@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import msgspec
@@ -13,14 +13,16 @@ from kinetostat.analysis.configuration import random_configurations
 from kinetostat.engines.model import Model
 from kinetostat.errors import KinetostatError, quote
 from kinetostat.policy.draft.chains import main_frames, mirrored_name
+from kinetostat.policy.draft.wheels import rolls
 from kinetostat.policy.expectations import Expectation
 from kinetostat.policy.judging import judge
 from kinetostat.policy.judging.dexterity import measured
+from kinetostat.policy.judging.symmetry import mirrored
 from kinetostat.policy.kinds.dexterity import SmallestSingularValue
 from kinetostat.policy.kinds.efforts import JointLimits, WorstGravity
 from kinetostat.policy.kinds.poses import Reach, Symmetry
 from kinetostat.policy.kinds.structure import Follower, Mass, Mobility
-from kinetostat.urdf.description import Joint, Robot
+from kinetostat.urdf.description import Joint, JointType, Robot
 
 __all__ = ["Proposal", "proposals"]
 
@@ -30,6 +32,11 @@ _SINGULAR = 1e-4  # a smallest singular value below it is none to build on
 _TRIED = 200  # random configurations, the best of which is taken where those with a name are singular
 _MOST_JOINTS = 12  # beyond it the worst torque of weight takes long, and a held root is no arm's any more
 _MOST_GROUPS = 12
+_MOST_RANGES = 24
+_DIGITS = 4  # of the ends of a range
+_TINY = 1e-200  # a number below it is rounded to zero
+_ENDLESS = 1e6  # an end beyond it is none
+_NEARLY = 0.05  # m of the robot's size, and rad: mirror images with a fault, rather than none
 _PLANAR = ("x y rz", "x z ry", "y z rx")
 _ROWS = ("all", "translation", *_PLANAR, "rotation", "x y", "x z", "y z", "x", "y", "z", "rx", "ry", "rz")
 
@@ -52,7 +59,7 @@ def proposals(model: Model) -> Iterator[Proposal]:
     robot = model.robot
     frames = main_frames(robot)
     yield from _mass(model)
-    yield from _limits(robot)
+    yield from _limits(model)
     yield from _followers(robot)
     yield from _worst(model)
     for frame in frames:
@@ -76,32 +83,62 @@ def _mass(model: Model) -> Iterator[Proposal]:
             yield Proposal(f"Now {total:.6g} kg.", within)
 
 
-def _limits(robot: Robot) -> Iterator[Proposal]:
-    """Yield that effort and velocity limits do not shrink, joints with the same limits together."""
+def _limits(model: Model) -> Iterator[Proposal]:
+    """Yield that effort and velocity limits do not shrink, and that ranges do not, joints with the same together."""
+    joints = [joint for joint in model.robot.independent if joint.type.nq == 1]
+    drives = _grouped(joints, lambda joint: (_stated(joint.limit.effort), _stated(joint.limit.velocity)))
+    wanted = [
+        JointLimits(joints=tuple(names), effort_at_least=effort, velocity_at_least=velocity)
+        for (effort, velocity), names in drives.items()
+    ]
+    yield from _some(wanted, "What the drives give is not to shrink.", "other pairs of limits", _MOST_GROUPS)
+    wanted = [
+        JointLimits(joints=tuple(names), lower_at_most=lower, upper_at_least=upper)
+        for (lower, upper), names in _grouped(joints, _range).items()
+    ]
+    met = [one for one in wanted if _met(model, one)]
+    yield from _some(met, "Ranges are not to shrink: each joint covers this one.", "other ranges", _MOST_RANGES)
+
+
+def _grouped(
+    joints: Iterable[Joint], read: Callable[[Joint], tuple[float | None, float | None]]
+) -> dict[tuple[float | None, float | None], list[str]]:
+    """Return the names of the joints that something is stated of, those of which the same is stated together."""
     groups: dict[tuple[float | None, float | None], list[str]] = {}
-    for joint in robot.independent:
-        if joint.type.nq == 1:
-            key = _stated(joint.limit.effort), _stated(joint.limit.velocity)
-            if any(key):
-                groups.setdefault(key, []).append(joint.name)
-    remark = "What the drives give is not to shrink."
-    for (effort, velocity), joints in list(groups.items())[:_MOST_GROUPS]:
-        yield Proposal(remark, JointLimits(joints=tuple(joints), effort_at_least=effort, velocity_at_least=velocity))
+    for joint in joints:
+        stated = read(joint)
+        if stated != (None, None):
+            groups.setdefault(stated, []).append(joint.name)
+    return groups
+
+
+def _range(joint: Joint) -> tuple[float | None, float | None]:
+    """Return the range of a joint, rounded inwards; None where an end is not stated, or where it turns for ever."""
+    if joint.type is JointType.CONTINUOUS:
+        return None, None
+    lower, upper = joint.limit.range
+    return (
+        _up(lower, _DIGITS) if abs(lower) < _ENDLESS else None,
+        _down(upper, _DIGITS) if abs(upper) < _ENDLESS else None,
+    )
+
+
+def _some(wanted: Sequence[Expectation], remark: str, others: str, most: int) -> Iterator[Proposal]:
+    """Yield the first expectations of a list, and how many are left out."""
+    for one in wanted[:most]:
+        yield Proposal(remark, one)
         remark = ""
-    if len(groups) > _MOST_GROUPS:
-        yield Proposal(f"Joints have {len(groups) - _MOST_GROUPS} other pairs of limits.")
+    if len(wanted) > most:
+        yield Proposal(f"There are {len(wanted) - most} {others}.")
 
 
 def _followers(robot: Robot) -> Iterator[Proposal]:
     """Yield that followers go on following."""
-    remark = "Who follows whom."
     laws = [(joint.name, joint.mimic) for joint in robot.joints if joint.mimic is not None]
-    for name, law in laws[:_MOST_GROUPS]:
-        follower = Follower(joint=name, leader=law.joint, multiplier=law.multiplier, offset=law.offset)
-        yield Proposal(remark, follower)
-        remark = ""
-    if len(laws) > _MOST_GROUPS:
-        yield Proposal(f"{len(laws) - _MOST_GROUPS} other joints follow.")
+    wanted = [
+        Follower(joint=name, leader=law.joint, multiplier=law.multiplier, offset=law.offset) for name, law in laws
+    ]
+    yield from _some(wanted, "Who follows whom.", "other followers", _MOST_GROUPS)
 
 
 def _stated(limit: float | None) -> float | None:
@@ -140,6 +177,9 @@ def _chain(model: Model, frame: str) -> Iterator[Proposal]:
     count = sum(joint.type.nv for joint in joints)
     names = ", ".join(joint.name for joint in joints[:8]) + (", ..." if len(joints) > 8 else "")
     yield Proposal(f"The chain to {quote(frame)}: {names}.", Mobility(frame=frame, equals=count))
+    if rolls(model, frame):
+        yield Proposal(f"{quote(frame)} is a wheel or a caster: no reach and no singular value is expected of it.")
+        return
     yield from _reach(model, frame)
     yield from _dexterity(model, frame, joints)
 
@@ -207,13 +247,31 @@ def _dexterous(model: Model, asked: SmallestSingularValue, joints: list[Joint]) 
 
 
 def _symmetry(model: Model, left: str, right: str) -> Iterator[Proposal]:
-    """Yield that a left and a right chain are mirror images, as exactly as they are now."""
+    """Yield that a left and a right chain are mirror images, as exactly as they are now; else by how much they fail."""
+    strict = Symmetry(left=left, right=right)
+    now = judge(model, [strict])[0]
+    if now.met:
+        yield Proposal("Both sides are mirror images.", strict)
+        return
     for tolerance in (1e-6, 1e-4, 1e-3):
         for masses, limits in ((True, True), (False, True), (True, False), (False, False)):
-            one = Symmetry(left=left, right=right, tolerance=tolerance, masses=masses, limits=limits)
+            one = msgspec.structs.replace(strict, tolerance=tolerance, masses=masses, limits=limits)
             if _met(model, one):
-                yield Proposal("Both sides are mirror images.", one)
+                yield Proposal(f"Both sides are mirror images, but: {now.found}.", one)
                 return
+    if _nearly(model, strict):
+        yield Proposal(f"{quote(left)} and {quote(right)} are nearly mirror images, but not quite: {now.found}.")
+
+
+def _nearly(model: Model, asked: Symmetry) -> bool:
+    """Return whether a chain is so near the mirror image of another that it may be meant to be one."""
+    try:
+        found = mirrored(model, asked)
+    except KinetostatError:
+        return False
+    if isinstance(found, str):
+        return False
+    return found.position <= _NEARLY * max(model.robot.reach, 1e-3) and found.angle <= _NEARLY
 
 
 def _down(value: float, digits: int) -> float:
@@ -227,7 +285,7 @@ def _up(value: float, digits: int) -> float:
 
 
 def _rounded(value: float, digits: int, towards: Callable[[float], int]) -> float:
-    if value == 0:
+    if abs(value) < _TINY:
         return 0.0
     places = digits - 1 - math.floor(math.log10(abs(value)))
     return float(round(towards(value * 10.0**places) / 10.0**places, max(places, 0)))

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+import shlex
+from collections.abc import Iterator, Sequence
 
 import msgspec
 
 from kinetostat.engines.model import Model
-from kinetostat.errors import printable
 from kinetostat.policy.draft.chains import main_frames
 from kinetostat.policy.draft.drafting import proposals
 from kinetostat.policy.draft.toml import comment, table, value
+from kinetostat.policy.expectations import Expectation
 from kinetostat.policy.kinds.efforts import Holds
 from kinetostat.policy.kinds.poses import Golden, Reaches
 from kinetostat.policy.table import RobotSettings
@@ -18,10 +20,14 @@ from kinetostat.policy.table import RobotSettings
 __all__ = ["drafted"]
 
 _HEAD = """\
-# What `kinetostat check` checks, and what this robot is expected to do.
+# What `kinetostat check` checks, and what robots are expected to do.
 # Every expectation was true when this file was written, with some margin:
 # `kinetostat check` says which one is not any more. Change the numbers to
-# what the users of the robot rely on.
+# what the users of the robots rely on. `kinetostat explain holds` tells what an
+# expectation means, and its keys; `kinetostat rules` lists all kinds.
+# Editors that read TOML schemas (Taplo, Even Better TOML): write the schema by
+# `kinetostat init --schema -o kinetostat.schema.json`, and as line 1 of this file
+# "#:schema ./kinetostat.schema.json".
 
 [check]
 fail-on = "error"  # or "warning", "info": a finding so bad fails a file
@@ -32,19 +38,21 @@ fail-on = "error"  # or "warning", "info": a finding so bad fails a file
 """
 
 
-def drafted(model: Model, robot: RobotSettings) -> str:
-    """Return the text of a settings file for a robot: what is true of it now, as expectations with some margin.
+def drafted(robots: Sequence[tuple[Model, RobotSettings]]) -> str:
+    """Return the text of a settings file for robots: what is true of them now, as expectations with some margin.
 
     Args:
-        model: the robot as read.
-        robot: how it is read, as the settings file is to say it.
+        robots: each as read, and how it is read, as the settings file is to say it.
     """
-    lines = [*_HEAD.splitlines(), "", *_robot(robot)]
-    for proposal in proposals(model):
-        lines += ["", comment(proposal.remark)] if proposal.remark else [""]
-        if proposal.expectation is not None:
-            lines += table(proposal.expectation)
-    return "\n".join([*lines, *_examples(model, robot.path)]) + "\n"
+    lines = _HEAD.splitlines()
+    for model, robot in robots:
+        lines += ["", *_robot(robot)]
+        for proposal in proposals(model):
+            lines += ["", comment(proposal.remark)] if proposal.remark else [""]
+            if proposal.expectation is not None:
+                lines += table(proposal.expectation)
+        lines += [*_golden(model, robot), *_examples(model)]
+    return "\n".join(lines) + "\n"
 
 
 def _robot(robot: RobotSettings) -> Iterator[str]:
@@ -55,17 +63,43 @@ def _robot(robot: RobotSettings) -> Iterator[str]:
             yield f"{part.encode_name} = {value(given)}"
 
 
-def _examples(model: Model, source: str) -> Iterator[str]:
+def _golden(model: Model, robot: RobotSettings) -> Iterator[str]:
+    """Yield golden placements of the main frames, commented out: each needs a file that a command writes."""
+    frames = main_frames(model.robot)
+    if not frames:
+        return
+    yield ""
+    yield comment("A golden placement notices every change of where a frame is, to 1e-9 m and rad, at a random")
+    yield comment("configuration. Run a command in the folder of this file, and take the # off its expectation:")
+    for frame in frames:
+        file = f"{_stem(model.robot.name)}-{_stem(frame)}.json"
+        yield from _commented(_placing(robot, frame, file), Golden(file=file))
+
+
+def _placing(robot: RobotSettings, frame: str, file: str) -> str:
+    """Return the command that stores the placement of a frame."""
+    words = ["kinetostat", "fk", robot.path, "-f", frame, "-q", "random:0"]
+    for folder in robot.package_dirs:
+        words += ["--package-dir", folder]
+    for name, given in robot.xacro_args.items():
+        words += ["--xacro-arg", f"{name}:={given}"]
+    return shlex.join([*words, "-F", "json", "-o", file])
+
+
+def _stem(name: str) -> str:
+    """Return a name as part of the name of a file."""
+    return re.sub(r"[^A-Za-z0-9_.]+", "_", name)[:40].strip("._") or "robot"
+
+
+def _examples(model: Model) -> Iterator[str]:
     """Yield what only the robot's users know, commented out."""
     frame = (*main_frames(model.robot), model.robot.root)[0]
     yield from ("", "# Expectations that only you can write, for instance:")
-    written = f"kinetostat fk {printable(source)} -f {printable(frame)} -q mid -F json -o golden.json"
-    yield from _commented("", table(Holds(frame=frame, payload=1.0, at="mid", at_most_percent=80.0)))
-    yield from _commented("", table(Reaches(frame=frame, poses=((0.5, 0.0, 0.5),))))
-    yield from _commented(f"golden.json is written by: {written}", table(Golden(file="golden.json", tolerance=1e-6)))
+    yield from _commented("", Holds(frame=frame, payload=1.0, at="mid", at_most_percent=80.0))
+    yield from _commented("", Reaches(frame=frame, poses=((0.5, 0.0, 0.5),)))
 
 
-def _commented(remark: str, lines: list[str]) -> Iterator[str]:
+def _commented(remark: str, expectation: Expectation) -> Iterator[str]:
     yield "#"
     yield from ([comment(remark)] if remark else [])
-    yield from (comment(line) for line in lines)
+    yield from (comment(line) for line in table(expectation))

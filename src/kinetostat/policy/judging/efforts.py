@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,9 +14,9 @@ from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import quote
 from kinetostat.policy import words
-from kinetostat.policy.judging.found import Found, above, agreed, below, configurations, ends, witness
+from kinetostat.policy.judging.found import Found, above, agreed, below, configurations, ends, mattering, witness
 from kinetostat.policy.kinds.efforts import Holds, JointLimits, WorstGravity
-from kinetostat.urdf.description import Joint, Robot
+from kinetostat.urdf.description import Joint, JointType, Robot
 
 __all__ = ["holds", "joint_limits", "worst_gravity_torque"]
 
@@ -50,16 +51,17 @@ def holds(model: Model, asked: Holds, folder: Path) -> Found:  # noqa: ARG001 (a
         return Found(None, "no joint can move")
     columns = robot.velocity_columns(joints)
     use = _Use(result.columns, result.units, result.total, result.utilisation, columns)
-    row, _ = use.worst
+    row, column = use.worst
     where = f" at {at.labels[row]}" if len(at.labels) > 1 else ""
-    return use.found(asked.at_most_percent, where, witness(robot, at.q[row], path))
+    worst = next(joint for joint in joints if column in robot.velocity_columns([joint]))
+    return use.found(asked.at_most_percent, where, witness(robot, at.q[row], mattering(robot, worst, at.q[row], frame)))
 
 
 def worst_gravity_torque(model: Model, asked: WorstGravity, folder: Path) -> Found:  # noqa: ARG001
     """Judge the use of effort limits by the worst torque of each joint."""
     from kinetostat.analysis.worst import worst_torques
 
-    robot = model.robot
+    robot, frame = model.robot, ""
     payload = None
     if asked.payload:
         frame = robot.frame(asked.frame or robot.default_tip())
@@ -79,8 +81,12 @@ def worst_gravity_torque(model: Model, asked: WorstGravity, folder: Path) -> Fou
     agreed(result.certificate)
     names = [joint.name for joint in chosen] or list(result.joints)
     columns = [result.joints.index(name) for name in names if name in result.joints]
+    if not columns:
+        return Found(None, "no joint that counts has one coordinate")
     use = _Use(result.joints, result.units, result.torques[None], result.utilisation[None], columns)
-    return use.found(asked.at_most_percent, "", witness(robot, result.witnesses[use.worst[1]]))
+    column = use.worst[1]
+    worst, q = robot.joint_by_name[result.joints[column]], result.witnesses[column]
+    return use.found(asked.at_most_percent, "", witness(robot, q, mattering(robot, worst, q, frame)))
 
 
 _WEIGHTLESS = Found(None, "the file gives the links no mass: nothing is to be held")
@@ -139,10 +145,14 @@ def joint_limits(model: Model, asked: JointLimits, folder: Path) -> Found:  # no
         joint = robot.joint_by_name.get(name)
         if joint is None:
             raise unknown_name("joint", name, robot.joint_by_name)
+        bound_to = _not_free(robot, joint)
+        if bound_to:
+            unmet.append(bound_to)
+            continue
         for key, bound in asked.bounds.items():
             what, _, word = key.partition("-at-")
             value = _limit(joint, what)
-            shown = f"{what} of {quote(name)} is {'not stated' if value is None else f'{value:g}'}"
+            shown = f"{what} of {quote(name)} is {_shown(value)}"
             if value is None:
                 missing.append(shown)
             else:
@@ -158,6 +168,20 @@ def joint_limits(model: Model, asked: JointLimits, folder: Path) -> Found:  # no
 _FEW = 3
 
 
+def _not_free(robot: Robot, joint: Joint) -> str:
+    """Return why the limits of a joint are not those of a motion of its own; empty where they are."""
+    if joint.type is JointType.FIXED:
+        return f"{quote(joint.name)} is fixed: it has no limits"
+    if joint.mimic is not None:
+        leader = robot.followers[joint.name].joint
+        return f"{quote(joint.name)} follows {quote(leader)}: it has no limits of its own"
+    return ""
+
+
+def _shown(value: float | None) -> str:
+    return "not stated" if value is None else "without end" if math.isinf(value) else f"{value:.6g}"
+
+
 def _limit(joint: Joint, what: str) -> float | None:
     """Return a limit as the file has it; None where there is none."""
     if what in ("effort", "velocity"):
@@ -165,5 +189,5 @@ def _limit(joint: Joint, what: str) -> float | None:
         return found
     if joint.type.nq != 1:
         return None
-    lower, upper = joint.limit.range
+    lower, upper = (-math.inf, math.inf) if joint.type is JointType.CONTINUOUS else joint.limit.range
     return lower if what == "lower" else upper

@@ -13,11 +13,24 @@ from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import DisagreementError, UsageError, cut, quote
 from kinetostat.policy.kinds.common import OfFrame
-from kinetostat.urdf.description import Joint, Robot
+from kinetostat.urdf.description import Joint, JointType, Robot
 
-__all__ = ["SLACK", "Configurations", "Found", "above", "agreed", "below", "configurations", "ends", "witness"]
+__all__ = [
+    "SLACK",
+    "Configurations",
+    "Found",
+    "above",
+    "agreed",
+    "below",
+    "configurations",
+    "ends",
+    "mattering",
+    "quiet",
+    "witness",
+]
 
 SLACK = 1e-9  # of a bound: a number that is its own bound is not beyond it by rounding
+_NOISE = 1e-12  # of a robot's size, in m and rad: what is left of a zero
 _OF_STATES = "states"
 
 
@@ -29,11 +42,13 @@ class Found:
         met: whether the expectation is met; None if it cannot be judged.
         text: what is, with its unit; or why it cannot be judged.
         witness: positions of joints at which it is so.
+        remedy: a command that makes what is now what is wanted; empty where there is none.
     """
 
     met: bool | None
     text: str
     witness: Mapping[str, float] = field(default_factory=dict)
+    remedy: str = ""
 
 
 @dataclass(frozen=True)
@@ -52,6 +67,11 @@ def above(value: float, bound: float) -> bool:
 def below(value: float, bound: float) -> bool:
     """Return whether a value is at most a bound."""
     return value <= bound + SLACK * abs(bound)
+
+
+def quiet(value: float, robot: Robot) -> float:
+    """Return a distance or an angle; zero where it is rounding noise for a robot of that size."""
+    return 0.0 if abs(value) <= _NOISE * max(1.0, robot.reach) else value
 
 
 def agreed(certificate: Certificate) -> None:
@@ -123,9 +143,28 @@ def _states(model: Model) -> list[tuple[str, dict[str, tuple[float, ...]]]]:
     return found
 
 
-def witness(robot: Robot, q: Array, joints: Iterable[Joint] | None = None) -> dict[str, float]:
-    """Return a configuration (nq,) by coordinate: those of some joints, and of the others what is not zero."""
-    shown = set(robot.position_names if joints is None else (n for joint in joints for n in joint.position_names))
-    rest = neutral(robot)
-    pairs = zip(robot.position_names, q, rest, strict=True)
-    return {name: float(value) + 0.0 for name, value, zero in pairs if name in shown or value != zero}
+def witness(robot: Robot, q: Array, joints: Iterable[Joint]) -> dict[str, float]:
+    """Return the part of a configuration (nq,) that matters, by coordinate: that of some joints."""
+    names = robot.position_names
+    places = (i for joint in joints for i in range(robot.nq)[robot.position_slices[joint.name]])
+    return {names[i]: float(q[i]) + 0.0 for i in places}
+
+
+def mattering(robot: Robot, joint: Joint, q: Array, frame: str = "") -> list[Joint]:
+    """Return the joints that decide what weight asks of a joint.
+
+    Those between the root and the joint, and where a frame holds something, up to that; and of what hangs on the joint,
+    those that are not at zero.
+    """
+    found = {one.name: one for one in robot.movable_path(robot.root, frame or joint.child)}
+    found |= {one.name: one for one in robot.movable_path(robot.root, joint.child)}
+    rest, stack = neutral(robot), [joint.child]
+    while stack:
+        for below in robot.child_joints[stack.pop()]:
+            stack.append(below.child)
+            if below.type is not JointType.FIXED:
+                leader = robot.joint_by_name[robot.followers[below.name].joint] if below.mimic else below
+                where = robot.position_slices[leader.name]
+                if np.any(q[where] != rest[where]):
+                    found.setdefault(leader.name, leader)
+    return list(found.values())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
 from collections.abc import Mapping
@@ -20,7 +21,7 @@ from kinetostat.conventions import Array, Order
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, cut, printable, quote
 from kinetostat.policy.judging.files import text_beside
-from kinetostat.policy.judging.found import Found, agreed, witness
+from kinetostat.policy.judging.found import Found, agreed, quiet, witness
 from kinetostat.policy.kinds.poses import Golden
 
 __all__ = ["golden"]
@@ -37,8 +38,14 @@ def golden(model: Model, asked: Golden, folder: Path) -> Found:
         raise stored.wrong("this is no placement, and no Jacobian")
     difference, text = compare(model, stored, q)
     met = difference <= asked.tolerance
-    renew = "" if met else f"; if that is meant, renew it: {stored.command()}"
-    return Found(met, text + renew, witness(model.robot, q, model.robot.movable_path(*stored.frames())))
+    at = witness(model.robot, q, model.robot.movable_path(*stored.frames()))
+    return Found(met, text, at, "" if met else stored.command(_source(model), folder))
+
+
+def _source(model: Model) -> str:
+    """Return the robot as it was asked for, for a command line."""
+    name = model.loaded.source.name
+    return "ROBOT" if name == "-" else name
 
 
 class _Stored:
@@ -111,13 +118,14 @@ class _Stored:
             raise self.wrong("it has no configuration")
         return found
 
-    def command(self) -> str:
+    def command(self, robot: str, folder: Path) -> str:
         """Return the command that renews the file: it reads the configuration from it before it writes."""
         observer, frame = self.frames()
-        words = ["kinetostat", self.schema.split("/")[1], "ROBOT", "-f", frame, "--relative-to", observer]
+        file = Path(os.path.relpath(folder / self._name)).as_posix()  # commands are run from here
+        words = ["kinetostat", self.schema.split("/")[1], robot, "-f", frame, "--relative-to", observer]
         if "reference" in self.result:
             words += self._asked()
-        return shlex.join(printable(word) for word in [*words, "-q", f"@{self._name}", "-F", "json", "-o", self._name])
+        return shlex.join(printable(word) for word in [*words, "-q", f"@{file}", "-F", "json", "-o", file])
 
     def _asked(self) -> list[str]:
         """Return the options that a Jacobian was asked by."""
@@ -142,7 +150,7 @@ def _placement(model: Model, stored: _Stored, q: Array) -> tuple[float, str]:
     if wanted.shape != (4, 4):
         raise stored.wrong("its matrix is not 4 by 4")
     error = pose_error(now.matrix, pose(wanted).matrix)
-    position, angle = float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
+    position, angle = (quiet(float(np.linalg.norm(part)), model.robot) for part in (error[:3], error[3:]))
     return max(position, angle), f"{quote(frame)} is {position:.4g} m and {angle:.4g} rad off"
 
 
@@ -167,7 +175,8 @@ def _jacobian(model: Model, stored: _Stored, q: Array) -> tuple[float, str]:
     gap = np.abs(now.matrix[rows] - matrix)
     row, column = np.unravel_index(int(np.argmax(gap)), gap.shape)
     where = f"row {now.rows[rows[row]]}, column {quote(now.columns[column])}"
-    return float(gap[row, column]), f"differs by {gap[row, column]:.4g} in {where}"
+    largest = quiet(float(gap[row, column]), model.robot)
+    return largest, f"differs by {largest:.4g} in {where}"
 
 
 def _names(columns: Any) -> list[str]:

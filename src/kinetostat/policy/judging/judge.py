@@ -78,6 +78,7 @@ def _outcome(expectation: Expectation, found: Found) -> Outcome:
         found.text,
         dict(found.witness),
         expectation.place,
+        found.remedy,
     )
 
 

@@ -16,8 +16,9 @@ from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, quote
 from kinetostat.policy import words
 from kinetostat.policy.judging.files import text_beside
-from kinetostat.policy.judging.found import Found, agreed, configurations, ends, witness
+from kinetostat.policy.judging.found import Found, agreed, configurations, ends, quiet, witness
 from kinetostat.policy.kinds.poses import Reaches
+from kinetostat.urdf.description import Robot
 
 __all__ = ["reaches"]
 
@@ -48,7 +49,7 @@ def reaches(model: Model, asked: Reaches, folder: Path) -> Found:
         )
         agreed(result.certificate)
         for row in np.flatnonzero(~_reached(result, asked)):
-            missed.append(_missed(result, int(row), poses[numbers[row]][0]))
+            missed.append(_missed(robot, result, int(row), poses[numbers[row]][0]))
     if not missed:
         return Found(True, f"all {len(poses)} are reached" if len(poses) > 1 else "it is reached")
     _, text, q = max(missed, key=lambda one: one[0])
@@ -67,9 +68,10 @@ def _reached(result: InverseKinematics, asked: Reaches) -> Flags:
     return np.asarray((result.converged | near) & result.inside_limits)
 
 
-def _missed(result: InverseKinematics, row: int, label: str) -> tuple[float, str, Array]:
+def _missed(robot: Robot, result: InverseKinematics, row: int, label: str) -> tuple[float, str, Array]:
     """Return by how much a pose is missed, that in words, and the configuration that comes nearest."""
-    position, rotation = float(result.position_residual[row]), float(result.rotation_residual[row])
+    residuals = result.position_residual[row], result.rotation_residual[row]
+    position, rotation = (quiet(float(part), robot) for part in residuals)
     if result.converged[row]:
         return position + rotation, f"{label} is reached outside joint limits alone", result.q[row]
     parts = [f"{position:.3g} m"] if result.task.linear else []

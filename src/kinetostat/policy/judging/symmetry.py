@@ -15,12 +15,12 @@ from kinetostat.analysis.kinematics import fk
 from kinetostat.conventions import Array, Reference
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, quote
-from kinetostat.policy.judging.found import Found, agreed, witness
+from kinetostat.policy.judging.found import Found, agreed, quiet, witness
 from kinetostat.policy.kinds.poses import Symmetry
 from kinetostat.screw import se3
 from kinetostat.urdf.description import Joint, JointType, Robot
 
-__all__ = ["symmetry"]
+__all__ = ["Mirrored", "mirrored", "symmetry"]
 
 
 def symmetry(model: Model, asked: Symmetry, folder: Path) -> Found:  # noqa: ARG001 (all judges alike)
@@ -31,22 +31,22 @@ def symmetry(model: Model, asked: Symmetry, folder: Path) -> Found:  # noqa: ARG
     follow, because frames are named as people like.
     """
     robot = model.robot
-    left, right = robot.frame(asked.left), robot.frame(asked.right)
-    observer = robot.frame(asked.relative_to or robot.root)
-    pairs = _pairs(robot, observer, left, right)
-    if isinstance(pairs, str):
-        return Found(False, pairs)
-    mirror = np.array([1.0 if axis in asked.plane else -1.0 for axis in "xyz"])
-    chains = _Chains(model, observer, left, right, pairs, mirror)
-    signs = chains.signs()
-    faults, at = chains.placements(signs, asked)
+    found = mirrored(model, asked)
+    if isinstance(found, str):
+        return Found(False, found)
+    faults, at = list[str](), dict[str, float]()
+    if max(found.position, found.angle) > asked.tolerance:
+        where = " at zero" if found.at_zero else ""
+        off = f"{found.position:.4g} m and {found.angle:.4g} rad off the mirror image"
+        faults.append(f"{quote(asked.right)} is {off}{where}")
+        at = witness(robot, found.q, [joint for pair in found.pairs for joint in pair])
     if asked.masses:
-        faults += _masses(robot, observer, left, right, asked.mass_tolerance)
+        faults += _masses(robot, asked.relative_to or robot.root, asked.left, asked.right, asked.mass_tolerance)
     if asked.limits:
-        faults += _limits(pairs, signs, asked.tolerance)
+        faults += _limits(found.pairs, found.signs, asked.tolerance)
     if faults:
         return Found(False, "; ".join(faults[:3]) + (f"; and {len(faults) - 3} more" if len(faults) > 3 else ""), at)
-    return Found(True, f"{len(pairs)} pairs of joints mirror each other")
+    return Found(True, f"{len(found.pairs)} pairs of joints mirror each other")
 
 
 def _pairs(robot: Robot, observer: str, left: str, right: str) -> list[tuple[Joint, Joint]] | str:
@@ -64,6 +64,45 @@ def _pairs(robot: Robot, observer: str, left: str, right: str) -> list[tuple[Joi
         if a.type.is_angle != b.type.is_angle:
             return f"joint {quote(a.name)} is {a.type.value}, {quote(b.name)} is {b.type.value}"
     return list(zip(ours, theirs, strict=True))
+
+
+@dataclass(frozen=True)
+class Mirrored:
+    """How far a right chain is from the mirror image of a left one.
+
+    Attributes:
+        position: the largest distance, m.
+        angle: the largest angle, rad.
+        q: the configuration (nq,) at which the larger of the two is found.
+        at_zero: whether that is zero.
+        pairs: the joints, in pairs.
+        signs: whether the right one of each has to move as the left one does, 1, or the other way, -1.
+    """
+
+    position: float
+    angle: float
+    q: Array
+    at_zero: bool
+    pairs: Sequence[tuple[Joint, Joint]]
+    signs: Array
+
+
+def mirrored(model: Model, asked: Symmetry) -> Mirrored | str:
+    """Return how far two chains are from mirror images of each other; or why their joints make no pairs.
+
+    Raises:
+        UsageError: no such frame, no joint that moves one alone, a joint with several coordinates.
+        DisagreementError: the engines disagree.
+    """
+    robot = model.robot
+    left, right = robot.frame(asked.left), robot.frame(asked.right)
+    observer = robot.frame(asked.relative_to or robot.root)
+    pairs = _pairs(robot, observer, left, right)
+    if isinstance(pairs, str):
+        return pairs
+    mirror = np.array([1.0 if axis in asked.plane else -1.0 for axis in "xyz"])
+    chains = _Chains(model, observer, left, right, pairs, mirror)
+    return chains.compared(chains.signs(), asked)
 
 
 @dataclass(frozen=True)
@@ -90,8 +129,8 @@ class _Chains:
         agreed(found.certificate)
         return found.matrix
 
-    def placements(self, signs: Array, asked: Symmetry) -> tuple[list[str], dict[str, float]]:
-        """Return how far the right frame is from the mirrored left one at most, if that is too far, and where."""
+    def compared(self, signs: Array, asked: Symmetry) -> Mirrored:
+        """Return how far the right frame is from the mirrored left one at most, and where."""
         robot = self.model.robot
         drawn = random_configurations(robot, asked.seed, asked.samples)
         q = np.tile(neutral(robot), (asked.samples + 1, 1))
@@ -102,11 +141,8 @@ class _Chains:
         error = np.abs(self._errors(q))
         position, angle = (np.linalg.norm(error[:, half], axis=-1) for half in (slice(3), slice(3, 6)))
         worst = int(np.argmax(np.maximum(position, angle)))
-        if max(position[worst], angle[worst]) <= asked.tolerance:
-            return [], {}
-        joints = [joint for pair in self.pairs for joint in pair]
-        text = f"{quote(self.right)} is {position[worst]:.4g} m and {angle[worst]:.4g} rad off the mirror image"
-        return [text + (" at zero" if worst == 0 else "")], witness(robot, q[worst], joints)
+        off, turned = (quiet(float(part[worst]), robot) for part in (position, angle))
+        return Mirrored(off, turned, q[worst], worst == 0, self.pairs, signs)
 
     def _errors(self, q: Array) -> Array:
         """Return pose errors (m, 6) between the right frame and the mirrored left one; row 0 is at zero."""

@@ -31,34 +31,63 @@ __all__ = [
     "Six",
     "Start",
     "Vector",
+    "measured_in",
 ]
 
 PLACE = "place"
+
+
+def measured_in(unit: str) -> dict[str, str]:
+    """Return what a key's `Meta` says of its unit."""
+    return {"unit": unit}
+
 
 Vector = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
 
-Frame = Annotated[str, Meta(description="The frame, a link. Default: the only tip of the robot.")]
-Observer = Annotated[str, Meta(description="The observer's link. Default: the root link.")]
+Frame = Annotated[str, Meta(description="The frame, a link. Default: the only tip of the robot.", examples=["tool0"])]
+Observer = Annotated[str, Meta(description="The observer's link. Default: the root link.", examples=["torso_link"])]
 Point = Annotated[
-    Vector | None, Meta(description="The point of the frame, in its coordinates, in m. Default: its origin.")
+    Vector | None,
+    Meta(
+        description="The point of the frame, in its coordinates. Default: its origin.",
+        examples=[(0.0, 0.0, 0.12)],
+        extra=measured_in("m"),
+    ),
 ]
 At = Annotated[
     str | tuple[float | str, ...],
     Meta(
         description="zero, mid, random:SEED, an SRDF state, 'j1=0.3,j2=-1.2' (others zero), a list of numbers in file "
-        "order; states: every SRDF state that moves the frame; or a list of such words: all of them."
+        "order; states: every SRDF state that moves the frame; or a list of such words: all of them.",
+        examples=["zero", "mid", "random:7", "home", "j1=0.3,j2=-1.2", (0.3, -1.2), "states", ("home", "mid")],
+        extra=measured_in("rad, m"),
     ),
 ]
 Start = Annotated[
-    str | tuple[float, ...], Meta(description="One configuration: zero, mid, an SRDF state, 'j1=0.3', or a list.")
+    str | tuple[float, ...],
+    Meta(
+        description="One configuration: zero, mid, an SRDF state, 'j1=0.3', or a list.",
+        examples=["mid", "j1=0.3", (0.3, -1.2)],
+        extra=measured_in("rad, m"),
+    ),
 ]
-Percent = Annotated[float, Meta(gt=0, description="The largest share of any effort limit, in percent.")]
-Joints = Annotated[tuple[str, ...], Meta(description="The joints that count. Default: all that the question is about.")]
+Percent = Annotated[
+    float, Meta(gt=0, description="The largest share of any effort limit, in percent.", extra=measured_in("%"))
+]
+Joints = Annotated[
+    tuple[str, ...],
+    Meta(description="The joints that count. Default: all that the question is about.", examples=[("j1", "j2")]),
+]
 Efforts = Annotated[
-    dict[str, Positive], Meta(description="Effort limits of joints, Nm or N, instead of those of the file.")
+    dict[str, Positive],
+    Meta(
+        description="Effort limits of joints instead of those of the file.",
+        examples=[{"elbow": 54.0}],
+        extra=measured_in("Nm, N"),
+    ),
 ]
 Seed = Annotated[int, Meta(ge=0, le=2**32, description="Of the random numbers: the same seed gives the same answer.")]
 
@@ -66,10 +95,13 @@ Seed = Annotated[int, Meta(ge=0, le=2**32, description="Of the random numbers: t
 class Kind(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab", tag_field="kind"):
     """What all kinds have in common.
 
-    `title` says what it is about and `wanted` what is wanted of it, each in one line.
+    `title` says what it is about and `wanted` what is wanted of it, each in one line. `example` is a table of it as a
+    settings file has it, without its header and its kind.
     """
 
     about: ClassVar[str] = ""
+    example: ClassVar[str] = ""
+    unit: ClassVar[str] = ""  # of its bounds, where they have none of their own
 
     place: str = ""  # where it is written, such as kinetostat.toml:12; its reader knows, no file says so
 
@@ -103,8 +135,6 @@ class OfFrame(Kind, frozen=True, kw_only=True):
 
 class Range(OfFrame, frozen=True, kw_only=True):
     """A number between two ends, one of which may be left out."""
-
-    unit: ClassVar[str] = ""
 
     at_least: Annotated[float | None, Meta(description="The smallest that is accepted.")] = None
     at_most: Annotated[float | None, Meta(description="The largest that is accepted.")] = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from msgspec import Meta, field
 
@@ -20,20 +20,42 @@ from kinetostat.policy.kinds.common import (
     Seed,
     Six,
     Vector,
+    measured_in,
 )
 
 __all__ = ["Holds", "JointLimits", "WorstGravity"]
 
 
+_Effort = Annotated[
+    NotNegative | None, Meta(description="Of the effort limit; slides have forces.", extra=measured_in("Nm, N"))
+]
+_Speed = Annotated[
+    NotNegative | None, Meta(description="Of the velocity limit; slides have m/s.", extra=measured_in("rad/s, m/s"))
+]
+
+
 class Holds(OfFrame, frozen=True, kw_only=True, tag="holds"):
-    """The joints hold a payload, a wrench, or the links' weight alone, with so much of their effort limits at most."""
+    """The joints hold a payload, a wrench, or the links' weight alone, with so much of their effort limits at most.
+
+    Static: the torques that both engines compute, over the effort limits of the file or of `effort-limits`. A joint
+    that bears something and has no limit leaves it open: not judged, which is not met.
+    """
+
+    example: ClassVar[str] = 'frame = "tool0"\npayload = 5.0\nat = "states"\nat-most-percent = 80'
 
     at_most_percent: Percent
     at: At = "zero"
     point: Point = None
-    payload: Annotated[float, Meta(ge=0, le=1e9, description="A mass that the frame holds at the point, kg.")] = 0.0
+    payload: Annotated[
+        float, Meta(ge=0, le=1e9, description="A mass that the frame holds at the point.", extra=measured_in("kg"))
+    ] = 0.0
     wrench: Annotated[
-        Six | None, Meta(description="fx fy fz mx my mz at the point of the frame, N and Nm. Default: none.")
+        Six | None,
+        Meta(
+            description="Forces and moments fx fy fz mx my mz at the point of the frame. Default: none.",
+            examples=[(0.0, 0.0, -20.0, 0.0, 0.0, 0.0)],
+            extra=measured_in("N, Nm"),
+        ),
     ] = None
     on: Annotated[
         Literal["environment", "robot"],
@@ -44,7 +66,11 @@ class Holds(OfFrame, frozen=True, kw_only=True, tag="holds"):
     ] = "world"
     gravity: Annotated[
         bool | Vector,
-        Meta(description="true: the links' weight counts, 9.81 m/s2 down the root's z; a vector in its axes; false."),
+        Meta(
+            description="true: the links' weight counts, 9.81 m/s2 down the root's z; a vector in its axes; false.",
+            examples=[True, (0.0, 0.0, -1.62)],
+            extra=measured_in("m/s2"),
+        ),
     ] = True
     joints: Joints = ()
     effort_limits: Efforts = field(default_factory=dict)
@@ -67,14 +93,26 @@ class Holds(OfFrame, frozen=True, kw_only=True, tag="holds"):
 
 
 class WorstGravity(Kind, frozen=True, kw_only=True, tag="worst-gravity-torque"):
-    """The worst torque of weight (and of a payload) inside joint limits stays within so much of the effort limits."""
+    """The worst torque of weight (and of a payload) inside joint limits stays within so much of the effort limits.
+
+    Searched from random configurations: a lower bound of the true one.
+    """
+
+    example: ClassVar[str] = 'frame = "tool0"\npayload = 5.0\nat-most-percent = 90'
 
     at_most_percent: Percent = 100.0
-    payload: Annotated[float, Meta(ge=0, le=1e9, description="A mass that the frame holds at the point, kg.")] = 0.0
+    payload: Annotated[
+        float, Meta(ge=0, le=1e9, description="A mass that the frame holds at the point.", extra=measured_in("kg"))
+    ] = 0.0
     frame: Frame = ""
     point: Point = None
     gravity: Annotated[
-        Vector | None, Meta(description="Gravity in the root's axes, m/s2. Default: 9.81 down the root's z.")
+        Vector | None,
+        Meta(
+            description="Gravity in the root's axes. Default: 9.81 down the root's z.",
+            examples=[(0.0, 0.0, -1.62)],
+            extra=measured_in("m/s2"),
+        ),
     ] = None
     joints: Joints = ()
     effort_limits: Efforts = field(default_factory=dict)
@@ -94,18 +132,31 @@ class WorstGravity(Kind, frozen=True, kw_only=True, tag="worst-gravity-torque"):
 
 
 class JointLimits(Kind, frozen=True, kw_only=True, tag="joint-limits"):
-    """The limits of joints are large enough, or small enough."""
+    """The limits of joints are large enough, or small enough.
 
-    joints: Annotated[tuple[str, ...], Meta(min_length=1, description="The joints; each is to meet all of it.")]
-    effort_at_least: Annotated[NotNegative | None, Meta(description="Nm, or N for slides.")] = None
-    effort_at_most: Annotated[NotNegative | None, Meta(description="Nm, or N for slides.")] = None
-    velocity_at_least: Annotated[NotNegative | None, Meta(description="rad/s, or m/s for slides.")] = None
-    velocity_at_most: Annotated[NotNegative | None, Meta(description="rad/s, or m/s for slides.")] = None
+    `lower-at-most` and `upper-at-least` together say which range a joint has to cover. A limit that the file does not
+    state is not met, nor is one of a joint that is fixed, or that follows another.
+    """
+
+    example: ClassVar[str] = (
+        'joints = ["shoulder_pan", "shoulder_lift"]\neffort-at-least = 150\n'
+        "lower-at-most = -3.14\nupper-at-least = 3.14"
+    )
+
+    joints: Annotated[
+        tuple[str, ...],
+        Meta(min_length=1, description="The joints; each is to meet all of it.", examples=[("j1", "j2")]),
+    ]
+    effort_at_least: _Effort = None
+    effort_at_most: _Effort = None
+    velocity_at_least: _Speed = None
+    velocity_at_most: _Speed = None
     lower_at_most: Annotated[
-        float | None, Meta(description="The lower end of the range is there or below, rad or m.")
+        float | None,
+        Meta(description="The range begins there or below.", examples=[-3.14], extra=measured_in("rad, m")),
     ] = None
     upper_at_least: Annotated[
-        float | None, Meta(description="The upper end of the range is there or above, rad or m.")
+        float | None, Meta(description="The range ends there or above.", examples=[3.14], extra=measured_in("rad, m"))
     ] = None
 
     def __post_init__(self) -> None:

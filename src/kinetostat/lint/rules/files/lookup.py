@@ -164,10 +164,11 @@ class AbsoluteMesh(FileRule):
 
 
 class ForeignScheme(FileRule):
-    """A mesh is named by a URI that few tools follow.
+    """A mesh is named by a URI other than package://.
 
-    `file://` names a place on one machine, `http://` needs a network, `model://` is known to Gazebo alone. What every
-    tool follows is `package://`.
+    `file://`, which RViz, Gazebo and Drake follow, names a place on one machine; `http://` needs a network; `model://`
+    is known to Gazebo alone. What most tools follow is `package://` (not MuJoCo, which reads plain paths). A name that
+    is that of no mesh is an error, as for an absolute path.
     """
 
     code = "M105"
@@ -185,7 +186,9 @@ class ForeignScheme(FileRule):
         if scheme == "file":
             if file.expanded and _is_asset(file):
                 return None
-            return Verdict("file:// names a place on one machine", Severity.ERROR, group=scheme)
+            if not _is_asset(file):
+                return Verdict("file:// names a place on one machine, and no mesh", Severity.ERROR, group=scheme)
+            return Verdict("file:// names a place on one machine", group=scheme)
         known = {"http": "it is fetched over a network", "https": "it is fetched over a network"}
         known["model"] = "model:// is known to Gazebo alone"
         return Verdict(known.get(scheme, f"{quote(scheme + '://')} is not known to robot tools"), group=scheme)
@@ -220,7 +223,8 @@ class UnresolvedPackage(Rule):
             what = "a file" if len(files) == 1 else f"{len(files)} files"
             message = f"package {quote(package)} is not found" if package else "package:/// names no package"
             message += f": {what} could not be looked for"
-            yield self.finding(files[0].first, message, attribute="filename")
+            hint = None if package else "write package://NAME/...: two slashes, then the name of the package"
+            yield self.finding(files[0].first, message, hint=hint, attribute="filename")
 
 
 class EncodedName(FileRule):

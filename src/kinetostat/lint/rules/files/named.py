@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from kinetostat.errors import LONGEST_QUOTE, quote
 from kinetostat.lint.finding import Finding, Severity
-from kinetostat.lint.grouping import FEW, times
-from kinetostat.lint.meshes import NamedFile, named_files
+from kinetostat.lint.grouping import FEW, Found, grouped, times
+from kinetostat.lint.meshes import NamedFile, last_name, named_files
 from kinetostat.lint.rule import Rule
 from kinetostat.lint.subject import Subject
 
@@ -52,17 +52,12 @@ class FileRule(Rule):
             if found is not None:
                 groups.setdefault((found.severity, found.group), []).append((file, found))
         for group in groups.values():
-            if len(group) > FEW:
-                yield self._together(group)
-            else:
-                for file, found in group:
-                    message = f"{shown(file.name)}: {found.text}{times(len(file.uses))}"
-                    yield self._at(file, message, found)
+            what = "texture" if all(file.is_texture for file, _ in group) else "mesh"
+            _, verdict = group[0]
+            told = [self._told(file, each, alone=len(group) <= FEW) for file, each in group]
+            yield from grouped(self, told, what=what, hint=verdict.hint, severity=verdict.severity)
 
-    def _together(self, group: Sequence[tuple[NamedFile, Verdict]]) -> Finding:
-        file, found = group[0]
-        what = "textures" if all(each.is_texture for each, _ in group) else "meshes"
-        return self._at(file, f"{len(group)} {what}, {shown(file.name)} the first: {found.text}", found)
-
-    def _at(self, file: NamedFile, message: str, found: Verdict) -> Finding:
-        return self.finding(file.first, message, hint=found.hint, severity=found.severity, attribute="filename")
+    def _told(self, file: NamedFile, verdict: Verdict, *, alone: bool) -> Found:
+        message = f"{shown(file.name)}: {verdict.text}"
+        uses = times(len(file.uses)) if alone else ""
+        return Found(file.first, last_name(file.name), message + uses, "filename")

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 from kinetostat.errors import quote
 from kinetostat.lint.finding import Finding, Severity
-from kinetostat.lint.meshes import scaled_meshes
+from kinetostat.lint.grouping import Found, grouped
+from kinetostat.lint.meshes import last_name, scaled_meshes
 from kinetostat.lint.rule import Example, Rule
+from kinetostat.lint.rules.files.named import shown
 from kinetostat.lint.subject import Subject, vector
 from kinetostat.urdf.document import Element
 
@@ -71,28 +73,30 @@ class ZeroScale(Rule):
 class NegativeScale(Rule):
     """A mesh is mirrored by a negative scale, which turns it inside out.
 
-    Where one or all three numbers are negative, the faces look inwards: collision checkers and renderers that go by
-    the side of a face get it wrong, some tools refuse it. Two negative numbers are half a turn, and harmless.
+    Where one or all three numbers are negative, the faces of the file look inwards. Many robots use one mesh for both
+    sides so, and tools know it: MuJoCo puts the facets in order, Drake and PyBullet collide rightly, a convex hull has
+    no inside. A renderer that leaves out the back of faces shows the far wall of the part. Two negative numbers are
+    half a turn, and harmless.
     """
 
     code = "M202"
     name = "scale-negative"
-    severity = Severity.WARNING
-    hint = "export a mirrored mesh"
+    severity = Severity.INFO
+    hint = "export a mirrored mesh, if it is shown inside out"
     bad = _example("1 -1 1", "M202")
     good = _example("-1 -1 1")
 
     def check(self, subject: Subject) -> Iterator[Finding]:
-        """Yield one finding for the mirrored meshes of a robot; if none is for collisions, it is only worth knowing."""
-        mirrored = [e for e in _scales(subject) if sum(s < 0 for s in e.scale) in (1, 3) and all(e.scale)]
-        if not mirrored:
-            return
-        solid = [each for each in mirrored if each.kind == "collision"]
-        first = (solid or mirrored)[0]
-        message = f"scale {first.shown} mirrors the mesh: its faces look inwards"
-        if len(mirrored) > 1:
-            message += f"; {len(mirrored)} meshes are so, {len(solid)} of them for collisions"
-        yield self.finding(first.mesh, message, attribute="scale", severity=None if solid else Severity.INFO)
+        """Yield one finding for the mirrored meshes of a robot."""
+        mirrored: dict[str, _Scaled] = {}
+        for each in _scales(subject):
+            if sum(s < 0 for s in each.scale) in (1, 3) and all(each.scale):
+                mirrored.setdefault(each.mesh.attributes.get("filename", ""), each)
+        found = [
+            Found(each.mesh, last_name(name), f"{shown(name)}: scale {each.shown} mirrors it", "scale")
+            for name, each in mirrored.items()
+        ]
+        yield from grouped(self, found, what="mesh", few=1)
 
 
 class TwoScales(Rule):

@@ -17,6 +17,7 @@ from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.grouping import FEW
 from kinetostat.lint.rule import Example, Needs, Rule, RuleSkippedError
 from kinetostat.lint.rules.kinetostatics.dependence import COMPLIANT
+from kinetostat.lint.rules.kinetostatics.weightless import weighed
 from kinetostat.lint.subject import Subject, first
 from kinetostat.urdf.description import Joint, Robot
 
@@ -51,7 +52,8 @@ class GravityOverEffort(Rule):
     The torque that holds the links still there, with the root link fixed and upright, is more than the joint may give:
     a simulator that respects the limit lets the arm sink, and a controller saturates. Either masses or the limit are
     wrong, or the range is wider than the robot can use, or a balancing spring carries what the file knows nothing of.
-    What is told is a configuration that shows it, not the worst. Springs and suspensions are left out by their names.
+    What is told is a configuration that shows it, not the worst. Springs and suspensions are left out by their names,
+    and so is the weight of links on which the file turns gravity off for Gazebo.
     """
 
     code = "K104"
@@ -104,7 +106,7 @@ class GravityOverEffort(Rule):
 
 def _overloads(subject: Subject) -> list[_Overload]:
     """Return the overloaded joints, the most overloaded first."""
-    model = subject.model
+    model = weighed(subject)
     robot, limits = model.robot, effort_limits(model.robot).upper
     if any(link.inertial is not None and link.inertial.mass < 0 for link in robot.links):
         raise RuleSkippedError("a link's mass is negative")

@@ -12,6 +12,7 @@ from kinetostat.analysis.configuration import neutral, random_configurations
 from kinetostat.conventions import Array, Reference
 from kinetostat.engines.screw import ScrewEngine
 from kinetostat.errors import quote
+from kinetostat.lint.grippers import without_gripper
 from kinetostat.lint.subject import Subject
 from kinetostat.urdf.description import Joint, JointType, Robot
 
@@ -61,6 +62,13 @@ class Structure:
     before: Mapping[str, Joint | None]
     zero: Mapping[str, Array]
     jacobians: Array
+
+    def arm(self, limb: Limb) -> Limb:
+        """Return a limb without the gripper at its end."""
+        joints = without_gripper(limb.joints)
+        if len(joints) == len(limb.joints):
+            return limb
+        return Limb(joints, _furthest(self.robot, self.zero, joints[-1].child))
 
     def chain(self, limb: Limb) -> list[Joint]:
         """Return the independent joints between the root and a limb's tip."""

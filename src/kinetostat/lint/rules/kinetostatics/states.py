@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,18 +21,20 @@ from kinetostat.urdf.description import Joint, JointType
 from kinetostat.urdf.document import Element
 from kinetostat.urdf.srdf import GroupState
 
+if TYPE_CHECKING:
+    from kinetostat.analysis.singular.mechanism import Mechanism
+
 __all__ = ["LockedFreedom", "SingularState"]
 
 NEAR = 1e-2  # of a mechanism's smallest singular value, pure numbers: a state typed as 1.57 is this near at most
+_STEP = 0.1  # rad: how far a joint is moved to see whether it leads away
+_AWAY = 3 * NEAR  # what counts as away
 _FULL = 6
 _FEWEST = 4  # joints of a limb of which a state is looked at: a neck or a waist of three only has to turn
 _ONLY_LIMB = 3
 _MOST_LIMBS = 24
 _LOCKED = 1e-3  # rad or m: a range below it is none
-_WORKING = re.compile(
-    r"(?:^|[^a-z])(?:home|homing|ready|default|init|initial|start|nominal|neutral|work|working)(?:$|[^a-z])",
-    re.IGNORECASE,
-)
+_WORKING = re.compile(r"(?:^|[^a-z])(?:home|homing|ready|work|working)(?:$|[^a-z])", re.IGNORECASE)
 _ARM = """
         <link name="base"/>
         <link name="l1"/>
@@ -78,14 +81,16 @@ _STATE = """
 
 @dataclass(frozen=True)
 class _Near:
-    """A limb near a singular configuration."""
+    """A limb near a singular configuration: of its position only, or of all six rows; and the joint that leads away."""
 
     limb: Limb
     smallest: float
     length: float
+    position_only: bool
+    way_out: str
 
     def __str__(self) -> str:
-        where = chain_text(self.limb.base, self.limb.tip)
+        where = chain_text(self.limb.base, self.limb.tip) + (", position only" if self.position_only else "")
         return f"{where} (smallest singular value {self.smallest:.2g}, lengths over {self.length:.2g} m)"
 
 
@@ -94,13 +99,15 @@ class SingularState(Rule):
 
     At a singular configuration a chain cannot move in some direction, joint rates for a straight line grow without
     bound, and the torque of some force is not felt. Few arms are not singular at zero, and stretched legs are; that is
-    worth knowing. A home or ready pose is where Cartesian motions begin: there it is a mistake more often than not.
+    worth knowing. A home or ready pose is where Cartesian motions begin: there it is a mistake more often than not. A
+    state that is zero on the chain is told with zero. Of a chain of three joints the position of the tip counts, of
+    longer ones the orientation, too; grippers are no part of the chain.
     """
 
     code = "K102"
     name = "singular-state"
     severity = Severity.INFO
-    hint = "move a joint of the chain away from it, a wrist joint by a tenth of a radian"
+    hint = "move several joints of the chain away from it: none alone leads far from it within a tenth of a radian"
     needs = Needs.MODEL
     bad = Example(
         _ARM.format(mark="", lower="-3"),
@@ -112,18 +119,26 @@ class SingularState(Rule):
     )
 
     def check(self, subject: Subject) -> Iterator[Finding]:
-        """Yield zero, once for the robot, and each state of the SRDF, in which a limb is singular."""
-        every = structure(subject).limbs
+        """Yield zero, once for the robot, and each other state of the SRDF, in which a limb is singular."""
+        found = structure(subject)
+        every = [found.arm(limb) for limb in found.limbs]
         fewest = _ONLY_LIMB if len(every) == 1 else _FEWEST
         limbs = [limb for limb in every if len(limb.independent) >= fewest and not _floats(limb)]
         large = [limb for limb in limbs if len(limb.independent) >= _FULL][:_MOST_LIMBS]
-        assert subject.robot is not None
-        near = list(_near(subject, large, neutral(subject.robot)))
+        near = list(_near(subject, large, neutral(found.robot)))
+        at_zero = {one.limb.tip for one in near}
+        states = list(_states(subject))
         if near:
             share = "" if len(near) == len(large) == 1 else f" ({len(near)} of {len(large)} chains)"
-            yield self.finding(subject.root, f"at zero it is singular{share}: {near[0]}", hint=_AT_ZERO)
-        for state, element in _states(subject):
-            yield from self._of_state(subject, [limb for limb in limbs if _set(limb, state)], state, element)
+            same = {state.name: None for state, _ in states if any(_is_zero(one.limb, state) for one in near)}
+            states_are = f"state {listed(same)} is" if len(same) == 1 else f"states {listed(same)} are"
+            more = f"; {states_are} zero on the chain, too" if same else ""
+            yield self.finding(subject.root, f"at zero it is singular{share}: {near[0]}{more}", hint=_AT_ZERO)
+        for state, element in states:
+            told = [limb for limb in limbs if limb.tip in at_zero and _is_zero(limb, state)]
+            yield from self._of_state(
+                subject, [limb for limb in limbs if _set(limb, state) and limb not in told], state, element
+            )
 
     def _of_state(self, subject: Subject, limbs: list[Limb], state: GroupState, element: Element) -> Iterator[Finding]:
         chosen = sorted(limbs, key=lambda limb: -len(limb.independent))[:_MOST_LIMBS]
@@ -133,7 +148,10 @@ class SingularState(Rule):
         full = any(len(one.limb.independent) >= _FULL for one in near)
         severity = Severity.WARNING if full and _WORKING.search(state.name) else None
         more = f", and {len(near) - 1} more of {len(chosen)} chains" if len(near) > 1 else ""
-        yield self.finding(element, f"it is singular: {near[0]}{more}", severity=severity, file=subject.srdf.file)
+        out = near[0].way_out
+        hint = f"move {quote(out, 40)} by a tenth of a radian: of all joints it leads furthest away" if out else None
+        message = f"it is singular: {near[0]}{more}"
+        yield self.finding(element, message, hint=hint, severity=severity, file=subject.srdf.file)
 
 
 _AT_ZERO = "start Cartesian motions, and searches for an inverse, elsewhere"
@@ -169,31 +187,48 @@ def _positions(subject: Subject, state: GroupState) -> Array:
     return q
 
 
+def _is_zero(limb: Limb, state: GroupState) -> bool:
+    """Return whether a state sets all joints of a limb, to zero: a floating joint is in none."""
+    return _set(limb, state) and not any(any(state.positions[joint.name]) for joint in limb.independent)
+
+
 def _near(subject: Subject, limbs: list[Limb], q: Array) -> Iterator[_Near]:
     """Yield the limbs that are near a singular configuration, the nearest first."""
     found = list[_Near]()
     for limb in limbs:
-        measured = _smallest(subject, limb, q)
-        if measured is not None and measured[0] < NEAR:
-            found.append(_Near(limb, *measured))
+        arm = _mechanism(subject, limb)
+        if arm is None:
+            continue
+        at = q[list(arm.indices)]
+        value = float(arm.smallest(at))
+        if value < NEAR:
+            value = 0.0 if value < arm.tolerance else value
+            position_only = len(arm.task.rows) < _FULL
+            found.append(_Near(limb, value, arm.length, position_only, _way_out(arm, at)))
     yield from sorted(found, key=lambda one: one.smallest)
 
 
-def _smallest(subject: Subject, limb: Limb, q: Array) -> tuple[float, float] | None:
-    """Return the smallest singular value of a limb at a configuration, and its unit of length; None without one."""
+def _mechanism(subject: Subject, limb: Limb) -> Mechanism | None:
+    """Return the mechanism of a limb, kept with the subject; None if nothing moves it."""
     from kinetostat.analysis.singular.mechanism import mechanism
 
-    kept = vars(subject).setdefault("mechanisms", {})
+    kept: dict[str, Mechanism | None] = vars(subject).setdefault("mechanisms", {})
     if limb.tip not in kept:
         try:
             kept[limb.tip] = mechanism(subject.model, limb.tip, relative_to=limb.base)
-        except KinetostatError:  # nothing moves it
+        except KinetostatError:
             kept[limb.tip] = None
-    arm = kept[limb.tip]
-    if arm is None:
-        return None
-    value = float(arm.smallest(q[list(arm.indices)]))
-    return (0.0 if value < arm.tolerance else value), arm.length
+    return kept[limb.tip]
+
+
+def _way_out(arm: Mechanism, q: Array) -> str:
+    """Return the angle that alone leads furthest from a singular configuration, inside limits; empty if none does."""
+    moved = np.concatenate([q + step * np.diag(arm.turning) for step in (_STEP, -_STEP)])
+    lower, upper = arm.stated_limits
+    allowed = np.all((moved >= lower) & (moved <= upper) | (moved == q), axis=-1)
+    values = np.where(allowed, arm.smallest(moved), 0.0)
+    best = int(np.argmax(values))
+    return arm.names[best % len(arm.names)] if values[best] > _AWAY else ""
 
 
 class LockedFreedom(Rule):

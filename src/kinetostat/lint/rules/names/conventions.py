@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from kinetostat.errors import quote
 from kinetostat.lint.finding import Finding, Severity
-from kinetostat.lint.grouping import listed
+from kinetostat.lint.grippers import without_gripper
+from kinetostat.lint.grouping import also
 from kinetostat.lint.rule import Example, Needs, Rule
 from kinetostat.lint.subject import Subject, end_of, name_of
 from kinetostat.urdf.description import JointType
@@ -47,14 +48,16 @@ class NoBaseLink(Rule):
         assert subject.robot is not None
         if not any(_is_called(link.name, "base_link") for link in subject.robot.links):
             root = subject.link_elements[subject.robot.root]
-            yield self.finding(root, "no link is called 'base_link': this one is the root")
+            hint = "call the first link after it 'base_link'" if subject.robot.root == "world" else None
+            yield self.finding(root, "no link is called 'base_link': this one is the root", hint=hint)
 
 
 class NoToolFrame(Rule):
     """An arm has neither a flange nor a tool0 frame.
 
     REP 199 asks for both at the end of a serial arm: grippers are attached to the one, and the other is what the
-    controller shows. Without them every application puts its own frame there.
+    controller shows. Without them every application puts its own frame there. A gripper that is part of the robot
+    comes after them.
     """
 
     code = "N202"
@@ -84,17 +87,20 @@ class NoToolFrame(Rule):
         assert subject.robot is not None
         robot = subject.robot
         moving = [joint for joint in robot.joints if joint.type is not JointType.FIXED]
-        turning = all(joint.type in (JointType.REVOLUTE, JointType.CONTINUOUS) for joint in moving)
-        if not turning or not _ARM[0] <= len(moving) <= _ARM[1] or any(joint.mimic for joint in moving):
+        last = max(moving, key=lambda joint: sum(1 for _ in robot.to_root(joint.child)), default=None)
+        if last is None or any(joint.mimic for joint in moving):
             return
-        last = max(moving, key=lambda joint: sum(1 for _ in robot.to_root(joint.child)))
-        if not set(moving) <= set(robot.to_root(last.child)):
-            return  # not one chain: legs, a hand
+        chain = [joint for joint in robot.to_root(last.child) if joint.type is not JointType.FIXED]
+        if len(chain) < len(moving):
+            return  # legs, a hand
+        arm = without_gripper(chain[::-1])
+        turning = all(joint.type in (JointType.REVOLUTE, JointType.CONTINUOUS) for joint in arm)
+        if not turning or not _ARM[0] <= len(arm) <= _ARM[1]:
+            return
         if not any(_is_called(link.name, word) for link in robot.links for word in ("flange", "tool0")):
-            yield self.finding(
-                subject.link_elements[last.child],
-                "no link is called 'flange' or 'tool0': this is the last one that moves",
-            )
+            end = "that moves" if arm[-1] == last else "before the jaws"
+            message = f"no link is called 'flange' or 'tool0': this is the last one {end}"
+            yield self.finding(subject.link_elements[arm[-1].child], message)
 
 
 class OddStandardFrame(Rule):
@@ -170,7 +176,7 @@ class MissingPrefix(Rule):
         lacking = [name for name in names if name not in with_it and _is_between(name, with_it, parents, subject)]
         if lacking:
             message = f"the prefix {quote(prefix)} is missing, which {len(with_it)} of {len(names)} links have"
-            message += f"; so it is in {listed(lacking)}" if len(lacking) > 1 else ""
+            message += also(lacking[1:], "link")
             yield self.finding(subject.link_elements[lacking[0]], message, attribute="name")
 
 

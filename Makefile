@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint wheel-check bench agreement singularities census clean
+.PHONY: demo test lint wheel-check bench agreement singularities census policy clean
 
 demo: $(READY)
 	@$(BIN)/python benchmarks/demo.py
@@ -34,6 +34,10 @@ agreement: $(READY)
 
 singularities: $(READY)
 	$(BIN)/python docs/singularities.py
+
+policy: $(READY)
+	$(BIN)/python -m kinetostat.policy.schema
+	$(BIN)/python docs/policy.py
 
 census: $(READY)
 	$(BIN)/python docs/census.py

@@ -1,6 +1,7 @@
 """What follows from a change: displacements that geometry knows, mirrored differences, reach, effort, families."""
 
 import math
+import time
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -8,8 +9,12 @@ import pytest
 
 import kinetostat as ks
 from difference_support import compared, edited, joint, link, plain, put
+from kinetostat.analysis.difference.change import Tolerance
 from kinetostat.analysis.difference.difference import difference
+from kinetostat.analysis.difference.loaded import loaded_joints
+from kinetostat.analysis.difference.matching import match
 from kinetostat.analysis.difference.search import largest
+from kinetostat.analysis.difference.structure import changes
 from trees import load_text
 
 UR5, PANDA, PLANAR = "example:ur5_robot", "example:panda", "textbook:planar_2r"
@@ -321,7 +326,7 @@ def test_a_robot_without_joints():
     result = difference(one, other)
     (tip,) = result.consequences.tips
     assert (tip.translation.value, tip.translation.witness) == (pytest.approx(0.5), {})
-    assert any("worst gravity torque: not looked for" in line for line in result.consequences.unchanged)
+    assert any("worst gravity torque: no joint" in line for line in result.consequences.unchanged)
 
 
 def test_the_search_finds_what_no_sample_is():
@@ -341,3 +346,79 @@ def test_the_search_finds_what_no_sample_is():
     flat = largest(lambda x: (np.full(len(x), 2.0), np.zeros_like(x)), *ends, 5, 0)
     assert flat.constant
     assert flat.at.tolist() == [0, 0]
+
+
+# --- tips that the same thing displaces ------------------------------------------------------------------------------
+
+HAND = "example:tiago_dual"
+
+
+def test_a_moved_arm_of_a_large_robot_is_told_in_seconds_and_of_all_its_tips():
+    def change(root):
+        put(joint(root, "arm_right_1_joint"), "origin", xyz="0.03 -0.19 -0.171", rpy="0.01 0 -1.5708")
+
+    begun = time.perf_counter()
+    result = compared(HAND, change)
+    assert time.perf_counter() - begun < 20
+    found = tips(result)
+    assert len(found) == 11
+    assert all(name.startswith("hand_right") for name in found)
+    # Two turns of one rigid hand cannot differ, wherever on it they are looked at.
+    turned = [tip.rotation.value for tip in found.values()]
+    assert max(turned) - min(turned) < 1e-9
+    # And what is searched for alone comes to the same as what was taken over from a neighbour.
+    alone = tips(compared(HAND, change, frames=["hand_right_middle_flex_3_link"]))
+    (one,) = alone.values()
+    assert one.rotation.value == pytest.approx(found[one.tip].rotation.value, abs=1e-9)
+    assert one.translation.value == pytest.approx(found[one.tip].translation.value, rel=1e-2)
+
+
+@pytest.mark.parametrize("name", ["arm_right_1_joint", "torso_lift_joint"])
+def test_a_shift_is_the_same_of_all_tips_behind_it(name):
+    def change(root):
+        x, y, z = (float(word) for word in joint(root, name).find("origin").get("xyz").split())
+        put(joint(root, name), "origin", xyz=f"{x + 0.03} {y} {z + 0.04}")
+
+    result = compared(HAND, change)
+    assert len(result.consequences.tips) > 10
+    for tip in result.consequences.tips:
+        assert tip.translation.value == pytest.approx(0.05, abs=1e-9)
+        assert tip.translation.everywhere
+        assert tip.rotation.value < 1e-9
+
+
+@pytest.mark.parametrize("source", ["example:panda", "example:so101", HAND])
+def test_joints_that_are_said_to_carry_nothing_new_keep_their_torques(source):
+    """Torques at random configurations: where one differs, its joint is among those that are looked at."""
+    plain_one = plain(source)
+    generator, moved = np.random.default_rng(5), 0
+    for name in generator.choice([j.name for j in plain_one.robot.independent], 4, replace=False):
+        for turn, centre in (("0.3 0.2 0.5", "0.1 0.2 0.3"), ("0 0 0", "0.01 0 0")):
+
+            def change(root, name=name, turn=turn, centre=centre):
+                x, y, z = (float(word) for word in joint(root, name).find("origin").get("xyz").split())
+                put(joint(root, name), "origin", xyz=f"{x + 0.03} {y - 0.05} {z + 0.04}", rpy=turn)
+                child = link(root, joint(root, name).find("child").get("link"))
+                if child.find("inertial") is not None:
+                    put(child, "inertial/origin", xyz=centre)
+
+            other = edited(source, change)
+            matching = match(plain_one.robot, other.robot, 1e-9)
+            found = changes(plain_one, other, matching, Tolerance(1e-9, 1e-9))
+            carried = set(loaded_joints(plain_one, other, matching, found))
+            q = ks.random_configurations(plain_one, 3, (5,))
+            down = np.array([0, 0, -9.81])
+            apart = np.abs(other.engine.holding_torques(q, down, ()) - plain_one.engine.holding_torques(q, down, ()))
+            columns = plain_one.robot.velocity_slices
+            changed = {j.name for j in plain_one.robot.independent if np.max(apart[:, columns[j.name]]) > 1e-9}
+            assert changed <= carried
+            moved += len(changed)
+    assert moved
+
+
+def test_torques_that_a_mass_cannot_change_are_not_looked_for():
+    plain_one = plain(PANDA)
+    other = edited(PANDA, lambda root: put(link(root, "panda_link4"), "inertial/mass", value="9"))
+    matching = match(plain_one.robot, other.robot, 1e-9)
+    found = changes(plain_one, other, matching, Tolerance(1e-9, 1e-9))
+    assert loaded_joints(plain_one, other, matching, found) == [f"panda_joint{i}" for i in (1, 2, 3, 4)]

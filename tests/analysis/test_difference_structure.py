@@ -36,7 +36,9 @@ def test_a_robot_does_not_differ_from_itself(name):
     result = difference(a, b)
     assert time.perf_counter() - begun < 1
     assert not result.exceeds
-    assert (result.changes, result.notes, result.consequences.tips, result.consequences.worst_gravity) == ((),) * 4
+    assert (result.changes, result.consequences.tips, result.consequences.worst_gravity) == ((),) * 3
+    (note,) = result.notes
+    assert note.startswith("not compared: ")
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -100,9 +102,8 @@ def test_spelling_makes_no_difference():
         result = compared(source, respelled)
         assert result.changes == ()
         assert not result.exceeds
-        assert result.notes == (
-            "the joints are in another order in the file, in which plain lists of positions are read",
-        )
+        order, _ = result.notes
+        assert order == "the joints are in another order in the file, in which plain lists of positions are read"
 
 
 def test_an_inertia_in_turned_axes_is_the_same():
@@ -244,10 +245,45 @@ def test_limits_the_other_way_round_and_infinite_ones():
     def swapped(root):
         put(joint(root, "joint1"), "limit", lower="3.141592653589793", upper="-3.141592653589793")
 
-    assert compared(PLANAR, swapped).changes == ()
+    result = compared(PLANAR, swapped)
+    assert [(c.attribute, c.before, c.after) for c in result.changes] == [
+        ("lower", -math.pi, math.pi),
+        ("upper", math.pi, -math.pi),
+    ]
+    assert result.notes[0].startswith("joint 'joint1': lower is above upper now")
+    back = difference(edited(PLANAR, swapped), plain(PLANAR))
+    assert len(back.changes) == 2
+    assert "lower was above upper" in back.notes[0]
+    both = difference(edited(PLANAR, swapped), edited(PLANAR, swapped))
+    assert (both.changes, len(both.notes)) == ((), 1)
     kind, lower, upper = compared(PLANAR, lambda root: joint(root, "joint1").set("type", "continuous")).changes
     assert (kind.attribute, kind.before, kind.after) == ("type", "revolute", "continuous")
     assert (lower.after, upper.after, lower.size, upper.size) == (None, None, None, None)
+
+
+@pytest.mark.parametrize("attribute", ["effort", "velocity"])
+def test_what_is_not_stated_any_more_is_a_change_beyond_any_tolerance(attribute):
+    def drop(root):
+        del joint(root, "joint1").find("limit").attrib[attribute]
+
+    (gone,) = compared(PLANAR, drop, tolerance=10, relative=10).changes
+    assert (gone.attribute, gone.after, gone.size) == (attribute, None, None)
+    assert gone.before > 0
+    (come,) = difference(edited(PLANAR, drop), plain(PLANAR), tolerance=10, relative=10).changes
+    assert (come.before, come.after) == (None, gone.before)
+
+
+def test_a_lost_limit_is_four_changes():
+    def drop(root):
+        joint(root, "joint1").remove(joint(root, "joint1").find("limit"))
+
+    found = compared(PLANAR, drop, tolerance=10, relative=10).changes
+    assert [(c.attribute, c.after) for c in found] == [
+        ("lower", None),
+        ("upper", None),
+        ("effort", None),
+        ("velocity", None),
+    ]
 
 
 def test_types_and_parents():
@@ -334,6 +370,24 @@ def test_states(tmp_path):
         ("changed", "arm/home"),
     ]
     assert (result.changes[2].attribute, result.changes[2].size, result.changes[2].unit) == ("joint2", 0.5, "rad")
+
+
+def test_a_state_that_a_rename_left_behind_is_one_change_and_no_pose(tmp_path):
+    root = document(PLANAR)
+    home = {"home": {"joint1": 0.1, "joint2": 1}}
+    a = srdf(tmp_path, "a", ET.tostring(root, encoding="unicode"), home)
+    joint(root, "joint2").set("name", "elbow")
+    put(joint(root, "tool_joint"), "origin", xyz="0.9 0 0")
+    after = ET.tostring(root, encoding="unicode")
+    result = difference(a, srdf(tmp_path, "b", after, home))
+    (state,) = [c for c in result.changes if c.element == "state"]
+    assert (state.attribute, state.before) == ("joint2", 1)
+    assert state.after == "the same, under a name that no joint has any more"
+    assert {one.pose for one in result.consequences.manipulability} <= {"zero", "mid"}
+    assert any(line.startswith("manipulability at 'home': not compared") for line in result.consequences.unchanged)
+    told = difference(a, srdf(tmp_path, "c", after, {"home": {"joint1": 0.1, "elbow": 1}}))
+    assert [c.element for c in told.changes if c.element == "state"] == []
+    assert "home" in {one.pose for one in told.consequences.manipulability}
 
 
 def test_two_robots_have_little_in_common():

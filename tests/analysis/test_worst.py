@@ -185,6 +185,9 @@ def test_progress_is_told():
     ({"gravity": (0, 1)}, "gravity"),
     ({"payload": ks.Payload(-1, "tool")}, "payload"),
     ({"limits": {"joint1": 0}}, "joint1"),
+    ({"joints": []}, "one at least"),
+    ({"joints": ["joint3"]}, "joint3"),
+    ({"starts": 0}, "start"),
 ])  # fmt: skip
 def test_what_cannot_be_is_refused(words, part):
     with pytest.raises(ks.UsageError, match=part):
@@ -196,3 +199,22 @@ def test_robots_without_single_joints_and_batches_are_refused():
         ks.worst_torques(model_of("textbook:rigid_body"), zero(model_of("textbook:rigid_body")))
     with pytest.raises(ks.UsageError, match="one configuration"):
         ks.worst_torques(model_of("textbook:planar_2r"), np.zeros((2, 2)))
+
+
+def test_some_joints_are_some_of_all():
+    model = model_of("example:panda")
+    every = worst_of("example:panda")
+    some = ks.worst_torques(model, zero(model), samples=300, joints=["panda_joint4", "panda_joint2"])
+    assert some.joints == ("panda_joint2", "panda_joint4")
+    rows = [every.joints.index(name) for name in some.joints]
+    assert np.allclose(some.torques, every.torques[rows], rtol=1e-9)
+    assert np.allclose(some.utilisation, every.utilisation[rows], rtol=1e-9)
+
+
+def test_what_is_given_to_look_at_is_a_start():
+    """One poor sample, and the worst itself: the climb stays there."""
+    model, every = model_of("example:panda"), worst_of("example:panda")
+    row = every.joints.index("panda_joint2")
+    asked = {"samples": 1, "starts": 1, "joints": ["panda_joint2"]}
+    found = ks.worst_torques(model, zero(model), also=every.witnesses[row : row + 1], **asked)
+    assert abs(found.torques[0]) >= abs(every.torques[row]) * (1 - 1e-12)

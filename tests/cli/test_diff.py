@@ -201,6 +201,63 @@ def test_an_error_at_a_revision_names_the_revision(cli, repository):
     assert "kinetostat-" not in answer.err
 
 
+def test_verbose_names_what_was_read_at_a_revision(cli, repository):
+    answer = cli("diff", "-v", "HEAD:arm.urdf", "arm.urdf")
+    assert answer.code == 0
+    assert "read: HEAD:arm.urdf, sha256 " in answer.err
+    assert "read: HEAD:arm.srdf" in answer.err
+    assert "kinetostat-" not in answer.err
+
+
+# --- Markdown --------------------------------------------------------------------------------------------------------
+
+
+def test_a_rename_is_seen_first_and_not_folded(cli, write):
+    def change(root):
+        joint(root, "joint2").set("name", "elbow_2")
+        longer(root)
+
+    out = cli("diff", PLANAR, write(PLANAR, change), "-F", "markdown").out
+    assert out.index("| `joint2` | joint | `elbow_2` |") < out.index("**changes**") < out.index("<details>")
+    assert "2 changes (1 rename); tips move by up to 0.002 m (`tool`)" in out
+
+
+def test_units_and_parentheses_are_no_code(cli, write):
+    def change(root):
+        put(joint(root, "joint1"), "limit", effort="50")
+        put(root.find("link[@name='link2']"), "inertial/inertia", izz="0.4")
+
+    out = cli("diff", PLANAR, write(PLANAR, change), "-F", "markdown").out
+    assert re.search(r"joint effort \| [\d.]+ → 50 \(by [\d.]+ Nm\) \|", out)
+    assert re.search(r"\(by [\d.]+ kg m2\) \|", out)
+    assert "`(" not in out
+    assert ")`" not in out
+
+
+def test_what_is_not_compared_is_said_in_every_format(cli, write):
+    for form, where in (("table", "not compared: visuals"), ("markdown", "- not compared: visuals")):
+        assert where in cli("diff", PLANAR, PLANAR, "-F", form).out
+    notes = json.loads(cli("diff", PLANAR, PLANAR, "-F", "json").out)["result"]["notes"]
+    assert any(note.startswith("not compared: visuals") for note in notes)
+
+
+def test_numbers_in_a_row_are_told_apart_and_slight_ones_counted(cli, write):
+    path = write(PANDA, lambda root: put(joint(root, "panda_joint2"), "limit", effort="87.00001"))
+    out = " ".join(cli("diff", PANDA, path).out.split())
+    assert "effort 87 -> 87.00001" in out
+    assert "changed by less than 0.0001 of themselves" in out or "worst gravity torque: unchanged" in out
+    for before, after in re.findall(r"(\S+) -> (\S+)", out):
+        assert before != after
+
+
+def test_tips_that_move_alike_are_one_row_with_all_names_in_json(cli, write):
+    path = write(PANDA, lambda root: put(joint(root, "panda_joint7"), "origin", xyz="0.09 0 0"))
+    out = " ".join(cli("diff", PANDA, path).out.split())
+    assert "3 tips 0.002 m 0 rad at every joint position: panda_hand_tcp, panda_leftfinger, panda_rightfinger" in out
+    tips = json.loads(cli("diff", PANDA, path, "-F", "json").out)["result"]["consequences"]["tips"]
+    assert set(tips) == {"panda_hand_tcp", "panda_leftfinger", "panda_rightfinger"}
+
+
 # --- hostile names ---------------------------------------------------------------------------------------------------
 
 HOSTILE = (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shlex
 import tomllib
 
 import pytest
@@ -9,11 +11,14 @@ import pytest
 import kinetostat as ks
 from kinetostat.policy.draft.chains import main_frames, mirrored_name
 from kinetostat.policy.draft.toml import value
+from kinetostat.policy.draft.wheels import rolls
 from kinetostat.policy.draft.writing import drafted
 from kinetostat.policy.judging import judge
 from kinetostat.policy.settings import read_settings
 from kinetostat.policy.table import RobotSettings
+from kinetostat_cli.main import run
 from policy.policies import written
+from policy.test_judging import TWO_ARMS
 from policy.test_schema import VALIDATOR
 from trees import load_text
 
@@ -40,7 +45,7 @@ ROBOTS = {
 def test_what_is_drafted_is_read_and_met(tmp_path, name):
     kinds, frames = ROBOTS[name]
     model = ks.load(name)
-    text = drafted(model, RobotSettings(path=name))
+    text = drafted([(model, RobotSettings(path=name))])
     VALIDATOR.validate(tomllib.loads(text))
     (robot,) = read_settings(written(tmp_path, text)).robots
     assert robot.path == name
@@ -53,7 +58,7 @@ def test_what_is_drafted_is_read_and_met(tmp_path, name):
 
 def test_a_robot_that_is_changed_does_not_meet_it_any_more(tmp_path):
     model = ks.load("textbook:puma560")
-    (robot,) = read_settings(written(tmp_path, drafted(model, RobotSettings(path="x")))).robots
+    (robot,) = read_settings(written(tmp_path, drafted([(model, RobotSettings(path="x"))]))).robots
     text = model.loaded.source.data.decode()
     changes = {
         "mass": ('<mass value="17.4"', '<mass value="15"'),
@@ -67,15 +72,33 @@ def test_a_robot_that_is_changed_does_not_meet_it_any_more(tmp_path):
         assert kind in {outcome.kind for outcome in outcomes if outcome.met is False}
 
 
+def commented(text):
+    """Return the expectations that a draft has commented out, active."""
+    lines = [
+        line for line in text.splitlines() if line.startswith("# [[robots.expect]]") or re.match(r"# [\w-]+ = ", line)
+    ]
+    tables = "\n".join(line.removeprefix("# ") for line in lines if not line.startswith("# select"))
+    return tables[tables.index("[[robots.expect]]") :]
+
+
 def test_the_examples_in_comments_are_sound(tmp_path):
-    text = drafted(ks.load("textbook:planar_2r"), RobotSettings(path="textbook:planar_2r"))
-    examples = text.partition("only you can write")[2]
-    tables = (
-        examples[examples.index("# [[") :].replace("\n# golden.json is", "\n## golden.json is").replace("\n# ", "\n")
-    )
-    text = f'[[robots]]\npath = "x"\n{tables.removeprefix("# ").replace(chr(10) + "#", chr(10) + "#")}'
-    (robot,) = read_settings(written(tmp_path, text)).robots
-    assert [one.kind for one in robot.expect] == ["holds", "reaches", "golden"]
+    text = drafted([(ks.load("textbook:planar_2r"), RobotSettings(path="textbook:planar_2r"))])
+    (robot,) = read_settings(written(tmp_path, f'[[robots]]\npath = "x"\n{commented(text)}')).robots
+    assert [one.kind for one in robot.expect] == ["golden", "holds", "reaches"]
+
+
+@pytest.mark.parametrize("name", ["textbook:planar_2r", "example:panda"])
+def test_the_commands_in_comments_write_what_the_expectations_read(tmp_path, monkeypatch, name):
+    model = ks.load(name)
+    text = drafted([(model, RobotSettings(path=name))])
+    commands = [line.removeprefix("# ") for line in text.splitlines() if line.startswith("# kinetostat fk ")]
+    monkeypatch.chdir(tmp_path)
+    for command in commands:
+        assert run(shlex.split(command)[1:]) == 0
+    (robot,) = read_settings(written(tmp_path, f'[[robots]]\npath = "x"\n{commented(text)}')).robots
+    golden = [one for one in robot.expect if one.kind == "golden"]
+    assert len(golden) == len(commands) > 0
+    assert all(outcome.met for outcome in judge(model, golden, folder=tmp_path))
 
 
 def test_hostile_names_break_no_line(tmp_path):
@@ -90,7 +113,7 @@ def test_hostile_names_break_no_line(tmp_path):
         model = load_text(text)
     except ks.RobotError:
         model = load_text(text.replace("&#10;", " ").replace("\u007f", ""))
-    drawn = drafted(model, RobotSettings(path='a"b\\c'))
+    drawn = drafted([(model, RobotSettings(path='a"b\\c'))])
     (robot,) = read_settings(written(tmp_path, drawn)).robots
     assert robot.path == 'a"b\\c'
     assert {one.frame for one in robot.expect if one.kind == "degrees-of-freedom"} == {model.robot.links[1].name}
@@ -142,3 +165,87 @@ def test_twenty_thousand_links_are_no_matter_of_minutes():
     start = time.perf_counter()
     assert main_frames(robot) == ("a",)
     assert time.perf_counter() - start < 5
+
+
+INERTIAL = (
+    '<inertial><origin xyz="{} 0 0"/><mass value="1"/>'
+    '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+)
+
+
+def trailer(*joints, centre=0.0):
+    """Return a robot whose joints, (type, placement, axis), follow one another; its last link has a mass."""
+    text = '<robot name="trailer"><link name="base"/>'
+    for i, (kind, xyz, axis) in enumerate(joints, 1):
+        inertial = INERTIAL.format(centre) if i == len(joints) else ""
+        limit = "" if kind in ("continuous", "fixed") else '<limit lower="-1" upper="1" effort="9" velocity="1"/>'
+        text += (
+            f'<link name="l{i}">{inertial}</link><joint name="j{i}" type="{kind}">'
+            f'<parent link="{"base" if i == 1 else f"l{i - 1}"}"/><child link="l{i}"/>'
+            f'<origin xyz="{xyz}"/><axis xyz="{axis}"/>{limit}</joint>'
+        )
+    return load_text(text + "</robot>")
+
+
+SWIVEL, WHEEL = ("continuous", "0.2 0 0", "0 0 1"), ("continuous", "-0.05 0 -0.1", "0 1 0")
+HIP, KNEE = ("revolute", "0 0 0", "1 0 0"), ("revolute", "0 0 -0.3", "0 1 0")
+
+
+@pytest.mark.parametrize(
+    ("joints", "centre", "wheel"),
+    [
+        ([WHEEL], 0.0, True),
+        ([SWIVEL, WHEEL], 0.0, True),
+        ([SWIVEL, WHEEL], 0.01, True),  # as real masses are
+        ([WHEEL], 0.3, False),  # a pendulum
+        ([SWIVEL, ("revolute", "-0.05 0 -0.1", "0 1 0")], 0.0, False),  # a pan and tilt head
+        ([SWIVEL, WHEEL, ("fixed", "0.3 0 0", "1 0 0")], 0.0, False),  # the end of an arm: the last joint moves it
+        ([HIP, KNEE, ("revolute", "0 0 -0.3", "0 1 0"), WHEEL], 0.0, False),  # a leg with a wheel
+    ],
+)
+def test_wheels_and_casters_are_told_from_arms(joints, centre, wheel):
+    model = trailer(*joints, centre=centre)
+    assert rolls(model, f"l{len(joints)}") is wheel
+
+
+def test_nothing_but_its_degrees_of_freedom_is_expected_of_a_caster(tmp_path):
+    text = drafted([(trailer(SWIVEL, WHEEL), RobotSettings(path="x"))])
+    assert "wheel or a caster" in text
+    (robot,) = read_settings(written(tmp_path, text)).robots
+    kinds = {one.kind for one in robot.expect}
+    assert "degrees-of-freedom" in kinds
+    assert not kinds & {"reach", "smallest-singular-value"}
+
+
+def test_ranges_are_covered_by_what_is_drafted_and_not_by_less(tmp_path):
+    model = ks.load("textbook:planar_2r")
+    (robot,) = read_settings(written(tmp_path, drafted([(model, RobotSettings(path="x"))]))).robots
+    text = model.loaded.source.data.decode()
+    narrower = text.replace('upper="3.141592653589793" effort="30"', 'upper="3.1" effort="30"')
+    assert narrower != text
+    unmet = [outcome for outcome in judge(load_text(narrower), robot.expect) if not outcome.met]
+    assert [(outcome.kind, outcome.found) for outcome in unmet] == [("joint-limits", "upper of 'joint2' is 3.1")]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("", "", "# Both sides are mirror images."),
+        ('upper="0.5" effort="3"', 'upper="0.6" effort="3"', "mirror images, but: upper of 'right_elbow' is 0.6"),
+        ('"0.3 -0.1 0"', '"0.303 -0.1 0"', "nearly mirror images, but not quite: 'right_tip' is 0.003 m"),
+        ('"0.3 -0.1 0"', '"0.9 -0.5 0"', None),
+        ('name="right_slide" type="prismatic"', 'name="right_slide" type="revolute"', None),
+    ],
+)
+def test_by_how_much_two_arms_are_not_mirror_images_is_said(old, new, said):
+    assert old in TWO_ARMS
+    text = drafted([(load_text(TWO_ARMS.replace(old, new) if old else TWO_ARMS), RobotSettings(path="x"))])
+    assert (said in text) if said else ("mirror" not in text)
+
+
+def test_numbers_that_hardly_are_ones_are_drafted_from(tmp_path):
+    text = ks.load("textbook:planar_2r").loaded.source.data.decode()
+    tiny = text.replace('upper="3.141592653589793" effort="30"', 'upper="1e-310" effort="1e-320"')
+    assert tiny != text
+    (robot,) = read_settings(written(tmp_path, drafted([(load_text(tiny), RobotSettings(path="x"))]))).robots
+    assert all(outcome.met for outcome in judge(load_text(tiny), robot.expect))

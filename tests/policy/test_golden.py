@@ -56,7 +56,8 @@ def test_a_tool_frame_that_is_moved_by_two_millimetres(tmp_path):
     store(tmp_path)
     outcome = judged(tmp_path, moved(0.002), LINES)
     assert outcome.met is False
-    assert outcome.found.startswith("'tool' is 0.002 m and 0 rad off")
+    assert outcome.found == "'tool' is 0.002 m and 0 rad off"
+    assert outcome.wanted == "within 1e-09 m and rad"
     assert judged(tmp_path, moved(0.002), LINES + "\ntolerance = 0.0021").met is True
     assert judged(tmp_path, moved(0.002), LINES + "\ntolerance = 0.0019").met is False
 
@@ -67,11 +68,14 @@ def test_a_longer_link_is_noticed_and_the_command_that_is_told_renews_the_file(t
     before = json.loads((tmp_path / "golden.json").read_text())
     longer = load_text(ARM.replace('<origin xyz="1 0 0"/>', '<origin xyz="1.01 0 0"/>'))  # of joint3 and of the tool
     (tmp_path / "arm.urdf").write_bytes(longer.loaded.source.data)
+    monkeypatch.chdir(tmp_path)
+    longer = ks.load("arm.urdf")
     outcome = judged(tmp_path, longer, LINES)
     assert outcome.met is False
-    command = outcome.found.partition("renew it: kinetostat ")[2].replace("ROBOT", "arm.urdf")
-    monkeypatch.chdir(tmp_path)
-    assert run(shlex.split(command)) == 0
+    assert "kinetostat" not in outcome.found
+    command = outcome.remedy.split(" ", 1)
+    assert command[0] == "kinetostat"
+    assert run(shlex.split(command[1])) == 0
     assert judged(tmp_path, longer, LINES).met is True
     after = json.loads((tmp_path / "golden.json").read_text())
     assert after["configuration"] == before["configuration"]
@@ -88,6 +92,27 @@ def test_a_column_more_is_a_difference(tmp_path):
     outcome = judged(tmp_path, load_text(text), LINES)
     assert outcome.met is False
     assert "its columns are now joint1, joint3, in the file joint1, joint2, joint3" in outcome.found
+
+
+def test_the_command_that_renews_can_be_pasted_where_the_gate_is_run(tmp_path, monkeypatch):
+    store(tmp_path)
+    (tmp_path / "my arm.urdf").write_text(ARM.replace('<origin xyz="1 0 0"/>', '<origin xyz="1.01 0 0"/>'))
+    (tmp_path / "ci").mkdir()
+    monkeypatch.chdir(tmp_path / "ci")
+    outcome = judged(tmp_path, ks.load("../my arm.urdf"), LINES)
+    assert shlex.split(outcome.remedy)[2] == "../my arm.urdf"
+    assert run(shlex.split(outcome.remedy)[1:]) == 0
+    again = judged(tmp_path, ks.load("../my arm.urdf"), LINES)
+    assert (again.met, again.remedy) == (True, "")
+
+
+def test_rounding_is_no_difference(tmp_path):
+    store(tmp_path)
+    stored = json.loads((tmp_path / "golden.json").read_text())
+    stored["result"]["matrix"][0][3] += 1e-15
+    (tmp_path / "golden.json").write_text(json.dumps(stored))
+    outcome = judged(tmp_path, arm(), LINES + "\ntolerance = 0")
+    assert (outcome.met, outcome.found) == (True, "'tool' is 0 m and 0 rad off")
 
 
 BROKEN = {

@@ -149,6 +149,20 @@ class TestEfforts:
         assert math.sin(outcome.witness["joint1"]) == pytest.approx(0, abs=1e-4)
         assert outcome.witness["joint2"] == pytest.approx(0, abs=1e-4)
 
+    def test_only_the_joints_that_are_named_are_climbed_for(self, tmp_path, monkeypatch):
+        from kinetostat.analysis import worst
+
+        climbed = []
+        honest = worst._Climb.worst
+        monkeypatch.setattr(
+            worst._Climb, "worst", lambda self, joint, *rest: climbed.append(joint.name) or honest(self, joint, *rest)
+        )
+        percent = 100 * G * 2.4 * 0.4 / 30  # on joint2, stretched
+        lines = f'kind = "worst-gravity-torque"\n{DOWN}\nsamples = 50\njoints = ["joint2"]\nat-most-percent = '
+        assert judged(tmp_path, textbook("planar_2r"), f"{lines}{percent + 0.01}").met is True
+        assert judged(tmp_path, textbook("planar_2r"), f"{lines}{percent - 0.01}").met is False
+        assert climbed == ["joint2", "joint2"]
+
     def test_the_worst_torque_with_a_payload(self, tmp_path):
         percent = 100 * (WEIGHT + G * 2 * (L1 + L2)) / 80
         lines = f'kind = "worst-gravity-torque"\n{DOWN}\nsamples = 50\npayload = 2\nat-most-percent = {percent + 0.01}'
@@ -188,6 +202,52 @@ class TestEfforts:
         outcome = judged(tmp_path, load_text(text), self.LIMITS + "effort-at-least = 30")
         assert outcome.met is False
         assert outcome.found == "effort of 'joint2' is 25"
+
+    @pytest.mark.parametrize(
+        ("old", "new", "found"),
+        [
+            ('name="joint2" type="revolute"', 'name="joint2" type="fixed"', "'joint2' is fixed: it has no limits"),
+            (
+                '<limit lower="-3.141592653589793" upper="3.141592653589793" effort="30"',
+                '<mimic joint="joint1"/><limit lower="-4" upper="4" effort="30"',
+                "'joint2' follows 'joint1': it has no limits of its own",
+            ),
+        ],
+    )
+    def test_a_joint_that_is_no_longer_free_has_no_limits(self, tmp_path, old, new, found):
+        text = textbook("planar_2r").loaded.source.data.decode()
+        assert text.count(old) == 1
+        arm = load_text(text.replace(old, new))
+        for line in ("effort-at-least = 30", "effort-at-most = 100", "lower-at-most = 0"):
+            outcome = judged(tmp_path, arm, self.LIMITS + line)
+            assert (outcome.met, outcome.found) == (False, found)
+
+    def test_a_joint_that_turns_for_ever_covers_every_range(self, tmp_path):
+        text = textbook("planar_2r").loaded.source.data.decode().replace('"revolute"', '"continuous"')
+        outcome = judged(tmp_path, load_text(text), self.LIMITS + "lower-at-most = -100\nupper-at-least = 100")
+        assert outcome.met is True
+
+    def test_joints_that_decide_nothing_are_no_witness(self, tmp_path):
+        arms = load_text(TWO_ARMS)
+        q = "right_shoulder=0.5,right_elbow=0.1,left_shoulder=0.2"
+        left = {"left_shoulder": 0.2, "left_elbow": 0.0, "left_slide": 0.0}
+        lines = f'frame = "left_tip"\nat = "{q}"\n'
+        for kind in ('"holds"\nat-most-percent = 0.001', '"manipulability"\nat-least = 100'):
+            assert judged(tmp_path, arms, f"kind = {kind}\n{lines}").witness == left
+
+    def test_what_hangs_on_the_worst_joint_is_a_witness(self, tmp_path):
+        # The elbow's angle decides what the shoulder bears, though the frame is the upper arm's.
+        lines = f'{HOLDS}frame = "link1"\nat = "joint2=0.5"\nat-most-percent = 1'
+        assert judged(tmp_path, textbook("planar_2r"), lines).witness == {"joint1": 0.0, "joint2": 0.5}
+
+    def test_the_witness_of_the_worst_torque_is_of_its_joint_alone(self, tmp_path):
+        lines = 'kind = "worst-gravity-torque"\nsamples = 20\nat-most-percent = 0.001'
+        arms = load_text(TWO_ARMS.replace("<inertial>", '<inertial><origin xyz="0.1 0 0"/>'))
+        outcome = judged(tmp_path, arms, lines)
+        assert outcome.met is False
+        side = "left" if "left_" in outcome.found else "right"
+        assert f"{side}_shoulder" in outcome.witness
+        assert all(name.startswith(side) for name in outcome.witness)
 
     def test_a_limit_that_is_not_there_is_not_enough(self, tmp_path):
         text = textbook("planar_2r").loaded.source.data.decode().replace('effort="30" ', "")

@@ -6,6 +6,7 @@ import pytest
 
 from kinetostat.errors import printable
 from kinetostat.lint.registry import FAMILIES, RULES
+from kinetostat.policy.manual import kind_pages
 from kinetostat.report import csv, text
 from kinetostat.report import json as report_json
 from kinetostat.report.rules import explain_result, explain_view, rules_result, rules_view
@@ -30,6 +31,16 @@ def test_json_has_all_rules():
     found = json.loads(report_json.render(rules_result(RULES)))
     assert [rule["code"] for rule in found["rules"]] == [rule.code for rule in RULES]
     assert found["families"] == FAMILIES
+
+
+def test_the_list_ends_with_the_kinds_of_expectations():
+    shown = text.render(rules_view(RULES, kind_pages()))
+    rules, _, kinds = shown.partition("Expectations, ")
+    assert all(f"\n{kind.name} " in kinds for kind in kind_pages())
+    assert f"{RULES[-1].code}  " in rules
+    assert max(map(len, shown.splitlines())) <= 80
+    found = json.loads(report_json.render(rules_result(RULES, kind_pages())))
+    assert [one["kind"] for one in found["expectations"]] == [kind.name for kind in kind_pages()]
 
 
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.code)

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kinetostat_cli import completion
-from kinetostat_cli.console import exit_if_apart, load, opened, progress_bar
+from kinetostat_cli.console import exit_if_apart, load, opened, progress_bar, say
 from kinetostat_cli.options import Format, OutputOptions, RobotOptions
 
 if TYPE_CHECKING:
@@ -20,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["register"]
 
 CHANGED = 1
+_SOON = 2.0  # s, after which a bar shows that something is being done
 
 
 class DiffFormat(StrEnum):
@@ -99,7 +105,7 @@ def diff(
         _loaded(RobotOptions(name, package_dir=package_dir, xacro_arg=xacro_arg, max_bytes=max_bytes), out)
         for name in (before, after)
     )
-    with progress_bar() as tell:
+    with _late_bar() as tell:
         result = difference(a, b, tolerance=tolerance, relative=relative, frames=frame, samples=samples, progress=tell)
     text = _rendered(result, a, b, form)
     with opened(out) as write:
@@ -107,6 +113,29 @@ def diff(
     exit_if_apart(result.consequences.certificate, a)
     if result.exceeds:
         raise typer.Exit(CHANGED)
+
+
+@contextlib.contextmanager
+def _late_bar() -> Iterator[Callable[[str, float], None] | None]:
+    """Show on a terminal what is being done, once it has taken a while."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    begun, bars = time.monotonic(), list[Callable[[str, float], None]]()
+    with contextlib.ExitStack() as stack:
+
+        def tell(what: str, share: float) -> None:
+            if not bars and time.monotonic() - begun >= _SOON:
+                bar = stack.enter_context(progress_bar())
+                bars.append(bar or _silent)
+            for one in bars:
+                one(what, share)
+
+        yield tell
+
+
+def _silent(what: str, share: float) -> None:
+    """Show nothing."""
 
 
 def _loaded(robot: RobotOptions, output: OutputOptions) -> Model:
@@ -121,20 +150,32 @@ def _loaded(robot: RobotOptions, output: OutputOptions) -> Model:
         return load(robot, output)
     with unpacked(wanted, max_bytes=robot.max_bytes) as path:
         try:
-            model = load(replace(robot, source=str(path)), output)
+            model = load(replace(robot, source=str(path)), replace(output, verbose=False))
         except RobotError as error:
             error.file = _as_asked(error.file, path, wanted)
             error.message = error.message.replace(str(path), str(wanted))
             raise
+        if output.verbose:
+            _tell(model, path, wanted)
     source = replace(model.loaded.source, name=str(wanted))
     return replace(model, loaded=replace(model.loaded, source=source))
+
+
+def _tell(model: Model, path: Path, wanted: Revision) -> None:
+    """Say what was read at a revision, and what is odd about it, as `load` does of a file."""
+    say("read", f"{wanted}, sha256 {model.loaded.source.sha256}")
+    if model.semantics.file:
+        say("read", _as_asked(str(model.semantics.file), path, wanted))
+    for remark in model.robot.remarks:
+        say("remark", str(remark))
 
 
 def _as_asked(file: str | None, path: Path, wanted: Revision) -> str:
     """Return the name of a file in an error: of the one that was asked for, or of another at that revision."""
     if file is None or file == str(path):
         return str(wanted)
-    return f"{wanted.rev}:{Path(file).name}"
+    beside = os.path.normpath(Path(wanted.path).parent / os.path.relpath(file, path.parent))
+    return f"{wanted.rev}:{beside}"
 
 
 def _rendered(result: Difference, a: Model, b: Model, form: DiffFormat) -> str:

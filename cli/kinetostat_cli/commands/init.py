@@ -11,7 +11,7 @@ import typer
 
 from kinetostat_cli import completion
 from kinetostat_cli.console import load, opened, say
-from kinetostat_cli.options import OutputOptions, RobotOptions, grouped
+from kinetostat_cli.options import OutputOptions, RobotOptions
 
 if TYPE_CHECKING:
     from kinetostat.policy.table import RobotSettings
@@ -25,25 +25,11 @@ _SHIPPED = ("example:", "textbook:")
 class _Robots:
     """Which robots, and how they are read."""
 
-    sources: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="ROBOT...",
-            help="One or several: .urdf or .xacro files, textbook:NAME or example:NAME.",
-            autocompletion=completion.robots,
-        ),
-    ] = None
-    srdf: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="SRDF with groups and states, of one robot. Default: the one beside it."),
-    ] = None
-    package_dir: Annotated[
-        list[Path] | None, typer.Option(metavar="DIR", help="Look for packages here first. May be repeated.")
-    ] = None
-    xacro_arg: Annotated[
-        list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of a xacro file. May be repeated.")
-    ] = None
-    max_bytes: Annotated[int, typer.Option(min=1, metavar="N", help="Refuse larger files.")] = 64 * 1024 * 1024
+    sources: list[str]
+    srdf: Path | None
+    package_dirs: list[Path] | None
+    xacro_args: list[str] | None
+    max_bytes: int
 
     def each(self) -> list[RobotOptions]:
         """Return the robots one by one, each once."""
@@ -51,17 +37,23 @@ class _Robots:
             RobotOptions(
                 source,
                 srdf=self.srdf,
-                package_dir=self.package_dir,
-                xacro_arg=self.xacro_arg if source.endswith(".xacro") else None,
+                package_dir=self.package_dirs,
+                xacro_arg=self.xacro_args if len(self.sources) == 1 or source.endswith(".xacro") else None,
                 max_bytes=self.max_bytes,
             )
-            for source in dict.fromkeys(self.sources or [])
+            for source in dict.fromkeys(self.sources)
         ]
 
 
-@grouped
 def init(
-    robots: _Robots,
+    robots: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="ROBOT...",
+            help="One or several: .urdf or .xacro files, textbook:NAME or example:NAME.",
+            autocompletion=completion.robots,
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -72,19 +64,30 @@ def init(
     schema: Annotated[
         bool, typer.Option("--schema", help="Write the JSON schema of kinetostat.toml instead, for editors.")
     ] = False,
+    srdf: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="SRDF of the one robot. Default: the one beside it.")
+    ] = None,
+    package_dir: Annotated[
+        list[Path] | None, typer.Option(metavar="DIR", help="Look for packages here first. May be repeated.")
+    ] = None,
+    xacro_arg: Annotated[
+        list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of xacro files. May be repeated.")
+    ] = None,
+    max_bytes: Annotated[int, typer.Option(min=1, metavar="N", help="Refuse larger files.")] = 64 * 1024 * 1024,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also say what is odd about the files.")] = False,
     debug: Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")] = False,  # noqa: ARG001 (main reads it)
 ) -> None:
     """Write a first policy for robots.
 
-    A commented kinetostat.toml for 'kinetostat check': what is true of each robot now, as expectations with some margin.
+    A commented kinetostat.toml for 'kinetostat check': what is true of each robot now, with some margin.
 
     Example: kinetostat init example:panda
     """
     to = OutputOptions(output=output, verbose=verbose)
     written = output if output is not None and output != Path("-") else None
     _refuse_overwriting(written, force=force)
-    text = _schema(robots) if schema else _policy(robots, to, Path() if written is None else written.parent)
+    asked = _Robots(robots or [], srdf, package_dir, xacro_arg, max_bytes)
+    text = _schema(asked) if schema else _policy(asked, to, Path() if written is None else written.parent)
     with opened(to) as write:
         write(text)
     if written is not None:

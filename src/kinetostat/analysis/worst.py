@@ -100,7 +100,7 @@ def worst_torques(
 
     Raises:
         UnknownNameError: no such frame or joint.
-        UsageError: no joint that may move, or that is asked for; samples, starts, gravity, payload or limits that cannot be.
+        UsageError: no joint that may move, or is asked for; samples, starts, gravity, payload, limits that cannot be.
         ConfigurationError: q has another shape, or a number that is not finite.
         NumberError: a link's mass is negative.
     """

@@ -11,6 +11,6 @@ import kinetostat.engines.screw
 import kinetostat.engines.third
 import kinetostat.gate.checking
 import kinetostat.lint.linting
-import kinetostat.policy.judging  # noqa: F401
+import kinetostat.policy.judging
 
 kinetostat.engines.third.warm_up()

@@ -2,33 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from kinetostat.analysis.crosscheck import Certificate, combined
+from kinetostat.analysis.difference.change import Change, Tolerance
 from kinetostat.analysis.difference.dexterity import (
     FamilyChange,
     PoseIndices,
     families_of,
     family_changes,
     indices,
-    is_arm,
+    not_an_arm,
     poses,
+    refused,
 )
 from kinetostat.analysis.difference.displacement import Displacement, Reach, displacement, reach
-from kinetostat.analysis.difference.effort import WorstEffort, bears_on_effort, worst_efforts
+from kinetostat.analysis.difference.effort import WorstEffort, worst_efforts
+from kinetostat.analysis.difference.loaded import loaded_joints
 from kinetostat.analysis.difference.matching import Matching
 from kinetostat.analysis.difference.motion import Tip, motions
-from kinetostat.analysis.difference.change import Change, Tolerance
 from kinetostat.engines.model import Model
-from kinetostat.errors import NumberError, UsageError
+from kinetostat.errors import NumberError, UsageError, quote
 
 __all__ = ["Consequences", "Question", "consequences"]
 
 _TIPS = 32  # whose displacement is looked for, unless they are named
+_EACH = 3  # of the tips that one thing displaces, whose reach is looked at
 _MAIN = 4  # whose manipulability and singular families are looked at
 _STARTS = 400  # searches for singular families; one that is missed is tried all the same
 _NOISE = 1e-6  # of a reach or an index: what the search for it is good for
+_SLIGHT = 1e-4  # of an index or a torque: what nobody acts upon
 
 
 @dataclass(frozen=True)
@@ -96,10 +100,11 @@ def consequences(a: Model, b: Model, matching: Matching, changed: Sequence[Chang
     answer = _Answer(a, b, matching, question)
     if tips:
         looked = answer.displacements([tip for tip in tips if not tip.alike], len(tips))
-        limited = answer.first([tip for tip in tips if tip.alike and not tip.ranges_alike])
-        answer.reaches([*looked, *limited])
-        answer.indices(_main([*looked, *limited]))
-        answer.families(_main([tip for tip in looked if not tip.shape_alike]))
+        limited = [tip for tip in tips if tip.alike and not tip.ranges_alike]
+        leading = answer.leading([*looked, *limited])
+        answer.reaches(leading)
+        answer.indices(leading[:_MAIN])
+        answer.families([tip for tip in leading if not tip.alike and not tip.shape_alike][:_MAIN])
     else:
         answer.lines.append("no tip is in both robots: displacement, reach, manipulability are not compared")
     answer.efforts(changed)
@@ -107,10 +112,20 @@ def consequences(a: Model, b: Model, matching: Matching, changed: Sequence[Chang
     return replace(found, unchanged=tuple(answer.lines), certificate=combined(proofs) if proofs else None)
 
 
-def _main(tips: Sequence[Tip]) -> list[Tip]:
-    """Return the first tips of different bodies."""
-    bodies = {tip.body: tip for tip in reversed(tips)}
-    return [tip for tip in tips if bodies[tip.body] is tip][:_MAIN]
+def _grouped(tips: Sequence[Tip]) -> list[list[Tip]]:
+    """Return tips by what displaces them, those that fewest joints move first: the tool before the fingers."""
+    groups = dict[tuple[str | float, ...], list[Tip]]()
+    for tip in tips:
+        groups.setdefault(tip.group, []).append(tip)
+    return [sorted(group, key=lambda tip: tip.depth) for group in groups.values()]
+
+
+def _bodies(tips: Sequence[Tip]) -> list[Tip]:
+    """Return the first tip of each rigid body."""
+    first = dict[str | None, Tip]()
+    for tip in tips:
+        first.setdefault(tip.body, tip)
+    return list(first.values())
 
 
 @dataclass
@@ -125,20 +140,38 @@ class _Answer:
     proofs: list[Certificate] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
 
-    def first(self, tips: Sequence[Tip]) -> list[Tip]:
-        """Return the tips that are looked at: all that were asked for, or the first."""
-        return list(tips) if self.question.frames is not None else list(tips[:_TIPS])
+    def leading(self, tips: Sequence[Tip]) -> list[Tip]:
+        """Return the tips whose reach is looked at: all that were asked for, or the first bodies of each group."""
+        groups = _grouped(tips)
+        if self.question.frames is not None:
+            return list(tips)
+        first = [tip for group in groups for tip in _bodies(group)[:_EACH]][:_TIPS]
+        if len(first) < len(tips):
+            shown = ", ".join(quote(tip.name) for tip in first[:4]) + (", ..." if len(first) > 4 else "")
+            self.lines.append(
+                f"reach, manipulability, singular families: looked at for {shown} of {len(tips)} tips; the others hang "
+                "behind the same changes; -f FRAME looks at one"
+            )
+        return first
 
     def displacements(self, tips: Sequence[Tip], of: int) -> list[Tip]:
-        """Find how far tips are displaced; return those that are beyond the tolerance, or moved by other joints."""
-        shown = self.first(tips)
+        """Find how far tips are displaced; return those that are beyond the tolerance, or moved by other joints.
+
+        What displaces several tips is searched for once. The first of each group come first, should there be many.
+        """
+        groups = _grouped(tips)
+        order = [*(group[0] for group in groups), *(tip for group in groups for tip in group[1:])]
+        shown = order if self.question.frames is not None else order[:_TIPS]
         left = len(tips) - len(shown)
         if left:
             self.lines.append(f"displacement: {left} tips more may be elsewhere; -f FRAME looks at one")
         found, kept = list[Displacement](), list[Tip]()
+        first = dict[tuple[str | float, ...], Displacement]()
+        samples, seed = self.question.samples, self.question.seed
         for i, tip in enumerate(shown):
             self.question.tell(f"tip {tip.name}", i / len(shown))
-            one = displacement(self.a, self.b, tip, self.matching, self.question.samples, self.question.seed)
+            one = displacement(self.a, self.b, tip, self.matching, samples, seed, first.get(tip.group))
+            first.setdefault(tip.group, one)
             self.proofs.append(one.certificate)
             away = max(one.translation.value, one.rotation.value) > self.question.tolerance.absolute
             if away:
@@ -175,21 +208,34 @@ class _Answer:
 
     def indices(self, tips: Sequence[Tip]) -> None:
         """Find manipulability at named poses."""
-        found = list[PoseIndices]()
+        found, slight = list[PoseIndices](), 0
         named = poses(self.a, self.b)
+        failed = refused(self.a, self.b, named)
+        least = max(self.question.tolerance.relative, _NOISE)
         for i, tip in enumerate(tips):
             self.question.tell(f"manipulability of {tip.name}", i / len(tips))
-            for one in indices(self.a, self.b, tip, named):
+            looked, why = indices(self.a, self.b, tip, [pose for pose in named if pose not in failed])
+            failed |= why
+            for one in looked:
                 self.proofs += one.certificates
-                if one.changed(max(self.question.tolerance.relative, _NOISE)):
+                if one.changed(max(least, _SLIGHT)):
                     found.append(one)
+                elif one.changed(least):
+                    slight += 1
         self.found = replace(self.found, manipulability=tuple(found))
-        if not found:
-            self.lines.append(f"manipulability at {', '.join(named[:4])}: unchanged")
+        compared = [quote(pose) if pose not in ("zero", "mid") else pose for pose in named if pose not in failed]
+        if slight:
+            self.lines.append(f"manipulability: {slight} indices that changed by less than {_SLIGHT:g} of themselves")
+        elif not found and compared:
+            self.lines.append(f"manipulability at {', '.join(compared[:4])}: unchanged")
+        for why in dict.fromkeys(failed.values()):
+            where = ", ".join([quote(pose) for pose in failed if failed[pose] == why][:4])
+            self.lines.append(f"manipulability at {where}: not compared: {why}")
 
     def families(self, tips: Sequence[Tip]) -> None:
         """Find singular families of arms whose axes lie otherwise among each other."""
-        arms = [tip for tip in tips if all(self._is_arm(tip))]
+        reasons = [self._not_an_arm(tip) for tip in tips]
+        arms = [tip for tip, reason in zip(tips, reasons, strict=True) if reason is None]
         found, failed = list[FamilyChange](), list[str]()
         for tip in arms:
             try:
@@ -205,26 +251,34 @@ class _Answer:
         self.lines += failed
         if arms and not found and not failed:
             self.lines.append("singular families: under the same conditions")
-        elif not arms:
-            reason = "only arms of 6 or 7 joints are searched" if tips else "unchanged"
-            self.lines.append(f"singular families: {reason}")
+        elif not tips:
+            self.lines.append("singular families: unchanged")
+        self.lines += [
+            f"singular families of {quote(tip.name)}: not looked for: {reason}, arms of 6 or 7 alone are searched"
+            for tip, reason in zip(tips, reasons, strict=True)
+            if reason is not None and not arms
+        ]
 
-    def _is_arm(self, tip: Tip) -> Iterator[bool]:
-        yield is_arm(self.a, tip.name, tip.ground[0])
-        yield is_arm(self.b, tip.other, tip.ground[1])
+    def _not_an_arm(self, tip: Tip) -> str | None:
+        ours, theirs = not_an_arm(self.a, tip.name, tip.ground[0]), not_an_arm(self.b, tip.other, tip.ground[1])
+        return ours or theirs
 
     def efforts(self, changed: Sequence[Change]) -> None:
-        """Find worst gravity torques."""
-        if not any(bears_on_effort(change) for change in changed):
-            self.lines.append("worst gravity torque: unchanged")
+        """Find worst gravity torques of the joints whose torque may have changed."""
+        joints = loaded_joints(self.a, self.b, self.matching, changed)
+        if not joints:
+            said = "unchanged" if self._any_joint() else "no joint with one coordinate is in both"
+            self.lines.append(f"worst gravity torque: {said}")
             return
         self.question.tell("worst gravity torques", 0.0)
+        least = self.question.tolerance.relative
         try:
             found, proof = worst_efforts(
                 self.a,
                 self.b,
                 self.matching,
-                self.question.tolerance.relative,
+                joints,
+                least,
                 samples=self.question.samples,
                 seed=self.question.seed,
                 progress=self.question.progress,
@@ -233,6 +287,14 @@ class _Answer:
             self.lines.append(f"worst gravity torque: not looked for: {error.message}")
             return
         self.proofs.append(proof)
-        self.found = replace(self.found, worst_gravity=found)
-        if not found:
+        told = tuple(one for one in found if one.overloaded or one.differs(max(least, _SLIGHT)))
+        self.found = replace(self.found, worst_gravity=told)
+        if len(told) < len(found):
+            count = f"{len(found) - len(told)} that changed by less than {_SLIGHT:g} of themselves"
+            self.lines.append(f"worst gravity torque: {count}")
+        elif not found:
             self.lines.append("worst gravity torque: unchanged")
+
+    def _any_joint(self) -> bool:
+        joints = (joint for joint in self.a.robot.independent if joint.type.nq == 1)
+        return any(joint.name in self.matching.joints for joint in joints)

@@ -18,9 +18,9 @@ from kinetostat.analysis.singular.mechanism import MODEL, Mechanism
 from kinetostat.analysis.singular.search import converge
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
-from kinetostat.errors import UsageError
+from kinetostat.errors import UsageError, quote
 
-__all__ = ["FamilyChange", "PoseIndices", "families_of", "family_changes", "indices", "is_arm", "poses"]
+__all__ = ["FamilyChange", "PoseIndices", "families_of", "family_changes", "indices", "not_an_arm", "poses", "refused"]
 
 _STATES = 8  # named poses of an SRDF that are looked at
 _MEMBERS = 16  # configurations that tell whether a condition makes an arm singular
@@ -68,8 +68,38 @@ def poses(a: Model, b: Model) -> list[str]:
     return ["zero", "mid", *(name for name in states if name not in ("zero", "mid"))][: 2 + _STATES]
 
 
-def indices(a: Model, b: Model, tip: Tip, named: Sequence[str]) -> list[PoseIndices]:
-    """Return the indices of a tip at named poses, each robot at its own; none where nothing moves the tip.
+def refused(a: Model, b: Model, named: Sequence[str]) -> dict[str, str]:
+    """Return why one of two robots cannot take poses, by pose; those that both can are left out.
+
+    Args:
+        a: one robot.
+        b: the other.
+        named: the poses, see `poses`.
+    """
+    reasons = dict[str, str]()
+    for pose in named:
+        lost = [_lost(model, pose) for model in (a, b)]
+        if lost[0] != lost[1]:
+            name = next(iter(lost[1] or lost[0]))
+            reasons[pose] = f"it sets joint {quote(name)}, which one of the two has not"
+        for model in (a, b):
+            try:
+                configuration(model, pose)
+            except UsageError as error:
+                reasons.setdefault(pose, error.message)
+    return reasons
+
+
+def _lost(model: Model, pose: str) -> list[str]:
+    """Return the joints that a state sets and the robot has not."""
+    if pose not in model.semantics.state_names():
+        return []
+    named = {name: None for state in model.semantics.states if state.name == pose for name in state.positions}
+    return [name for name in named if name not in model.robot.joint_by_name]
+
+
+def indices(a: Model, b: Model, tip: Tip, named: Sequence[str]) -> tuple[list[PoseIndices], dict[str, str]]:
+    """Return the indices of a tip at named poses, each robot at its own; and why others were not looked at, by pose.
 
     Args:
         a: one robot.
@@ -80,14 +110,15 @@ def indices(a: Model, b: Model, tip: Tip, named: Sequence[str]) -> list[PoseIndi
     Raises:
         EngineError: Pinocchio refuses a robot.
     """
-    found = list[PoseIndices]()
+    found, failed = list[PoseIndices](), dict[str, str]()
     for pose in named:
         try:
             both = [
                 manipulability(model, frame, configuration(model, pose).q, relative_to=ground)
                 for model, frame, ground in ((a, tip.name, tip.ground[0]), (b, tip.other, tip.ground[1]))
             ]
-        except UsageError:  # nothing moves it, or groups disagree on what the state is
+        except UsageError as error:  # nothing moves it, a state names a joint that is none, groups disagree on it
+            failed[pose] = error.message
             continue
         for block in ("full", "translation"):
             before, after = (result.blocks[block] for result in both)
@@ -102,7 +133,7 @@ def indices(a: Model, b: Model, tip: Tip, named: Sequence[str]) -> list[PoseIndi
                     (both[0].certificate, both[1].certificate),
                 )
             )
-    return found
+    return found, failed
 
 
 # --- singular families -----------------------------------------------------------------------------------------------
@@ -133,10 +164,14 @@ class FamilyChange:
     inside_limits: bool
 
 
-def is_arm(model: Model, frame: str, ground: str) -> bool:
-    """Return whether a tip is moved by six or seven joints with one coordinate each."""
+def not_an_arm(model: Model, frame: str, ground: str) -> str | None:
+    """Return why a tip is not that of an arm: of six or seven joints with one coordinate each. None if it is."""
     joints = model.robot.movable_path(ground, frame)
-    return len(joints) in (6, 7) and all(joint.type.nq == 1 for joint in joints)
+    if any(joint.type.nq != 1 for joint in joints):
+        return "joints with several coordinates move it"
+    if len(joints) in (6, 7):
+        return None
+    return f"{len(joints)} joint{' moves' if len(joints) == 1 else 's move'} it"
 
 
 def families_of(

@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from kinetostat.analysis.difference.consequences import Consequences, Question, consequences
-from kinetostat.analysis.difference.matching import Matching, match
 from kinetostat.analysis.difference.change import Change, Tolerance
+from kinetostat.analysis.difference.consequences import Consequences, Question, consequences
+from kinetostat.analysis.difference.limits import swapped_limits
+from kinetostat.analysis.difference.matching import Matching, match
 from kinetostat.analysis.difference.structure import changes
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, cut, quote, unknown_name
@@ -16,6 +17,7 @@ from kinetostat.errors import UsageError, cut, quote, unknown_name
 __all__ = ["Difference", "difference"]
 
 _MOST_SAMPLES = 1_000_000
+_SWAPPED = 8  # joints that are named
 _NEAREST = 1e-9  # m and rad: placements that are nearer are taken for the same one, whatever the tolerance
 
 
@@ -117,8 +119,14 @@ def _in_both(a: Model, b: Model, matching: Matching, frame: str) -> str:
     raise unknown_name("frame", frame, a.robot.link_by_name, listing="'kinetostat frames' lists them")
 
 
+_NOT_COMPARED = (
+    "not compared: visuals, collision geometry and meshes; damping and friction; soft limits and calibration; "
+    "transmissions; blocks of extensions (gazebo, ros2_control, ...)"
+)
+
+
 def _notes(a: Model, b: Model, matching: Matching) -> tuple[str, ...]:
-    notes = []
+    notes = list(_about_limits(a, b, matching))
     if a.robot.name != b.robot.name:
         notes.append(f"the robot was called {quote(a.robot.name)}, it is called {quote(b.robot.name)}")
     before = [matching.joints[joint.name] for joint in a.robot.independent if joint.name in matching.joints]
@@ -126,4 +134,13 @@ def _notes(a: Model, b: Model, matching: Matching) -> tuple[str, ...]:
     after = [joint.name for joint in b.robot.independent if joint.name in common]
     if before != after and len(before) == len(after):
         notes.append("the joints are in another order in the file, in which plain lists of positions are read")
-    return tuple(notes)
+    return (*notes, _NOT_COMPARED)
+
+
+def _about_limits(a: Model, b: Model, matching: Matching) -> list[str]:
+    """Return what is to be said of limits that are swapped in one of the two, of the first joints."""
+    pairs = ((joint, matching.joints.get(joint.name)) for joint in a.robot.joints)
+    said = (swapped_limits(joint, b.robot.joint_by_name[other]) for joint, other in pairs if other is not None)
+    told = [line for line in said if line is not None]
+    left = len(told) - _SWAPPED
+    return told if left <= 0 else [*told[:_SWAPPED], f"and lower and upper of {left} joints more"]

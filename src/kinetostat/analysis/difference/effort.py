@@ -15,6 +15,7 @@ from kinetostat.analysis.difference.matching import Matching
 from kinetostat.analysis.worst import WorstTorques, worst_torques
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
+from kinetostat.errors import UsageError
 
 __all__ = ["WorstEffort", "worst_efforts"]
 
@@ -53,6 +54,11 @@ class WorstEffort:
     def overloaded(self) -> bool:
         """Whether weight alone now takes more than the effort limit, and did not before."""
         return (self.share_after or 0.0) > 1 >= (self.share_before or 0.0)
+
+    def differs(self, share: float) -> bool:
+        """Return whether the torque or its share of the limit changed by more than a share of itself."""
+        shares = self.share_before or 0.0, self.share_after or 0.0
+        return _apart(self.before, self.after, share) or _apart(*shares, share)
 
 
 def worst_efforts(
@@ -105,11 +111,9 @@ def worst_efforts(
         better = _by_joint(again, a)
         ours |= {name: one for name, one in better.items() if one.torque > ours[name].torque}
     least = _NOTHING * max((one.torque for one in (*ours.values(), *after.values())), default=0.0)
-    told = tuple(
-        WorstEffort(name, now.unit, was.torque, now.torque, was.share, now.share, now.witness)
-        for name, was, now in ((n, ours[n], after[matching.joints[n]]) for n in joints)
-        if _differ(was, now, max(share, _NOISE), least)
-    )
+    pairs = [(name, ours[name], after[matching.joints[name]]) for name in joints]
+    found = [WorstEffort(n, y.unit, x.torque, y.torque, x.share, y.share, y.witness) for n, x, y in pairs]
+    told = tuple(one for one in found if max(one.before, one.after) > least and one.differs(max(share, _NOISE)))
     return told, combined(proofs)
 
 
@@ -150,12 +154,6 @@ def _by_joint(found: WorstTorques, model: Model) -> dict[str, _Worst]:
         )
         for joint, torque, share, unit, q in rows
     }
-
-
-def _differ(before: _Worst, after: _Worst, share: float, least: float) -> bool:
-    if max(before.torque, after.torque) <= least:
-        return False
-    return _apart(before.torque, after.torque, share) or _apart(before.share or 0.0, after.share or 0.0, share)
 
 
 def _apart(a: float, b: float, share: float) -> bool:

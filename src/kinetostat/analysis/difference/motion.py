@@ -35,6 +35,7 @@ class Tip:
         shape_alike: whether the axes that move it lie alike among each other, wherever the ground and the tip are.
         group: what it is displaced by, or what limits it: tips with the same have, beyond the last thing that changed,
             the same rigid body or chain in both robots.
+        body: the joint next to it in A: tips with the same are on one rigid body.
         depth: how many joints move it in A, followers among them.
     """
 
@@ -45,6 +46,7 @@ class Tip:
     ranges_alike: bool
     shape_alike: bool
     group: tuple[str | float, ...]
+    body: str | None
     depth: int
 
 
@@ -172,7 +174,7 @@ class _Alike:
         ground, alike = self._ground(ours, theirs), verdict.alike and _equal(here, there)
         group = self._group(verdict, (carrier or "", here), (other or "", there))
         depth = self.bodies[0].depth[carrier]
-        return Tip(ours, theirs, ground, alike, verdict.ranges, verdict.shape, (*ground, *group), depth)
+        return Tip(ours, theirs, ground, alike, verdict.ranges, verdict.shape, (*ground, *group), carrier, depth)
 
     @staticmethod
     def _group(verdict: _Verdict, ours: tuple[str, Array], theirs: tuple[str, Array]) -> tuple[str | float, ...]:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinetostat.analysis.difference.change import Change, Tolerance
+from kinetostat.analysis.difference.limits import limit_changes
 from kinetostat.analysis.difference.matching import Matching
 from kinetostat.analysis.difference.placements import (
     Anchor,
@@ -18,56 +20,13 @@ from kinetostat.analysis.difference.placements import (
     origin_matrix,
     turn,
 )
+from kinetostat.analysis.difference.states import state_changes
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.screw import so3
 from kinetostat.urdf.description import Inertial, Joint, JointType, Link, Mimic, Robot
-from kinetostat.urdf.srdf import GroupState
 
-__all__ = ["Change", "Tolerance", "changes"]
-
-Value = str | float | tuple[float, ...] | None
-
-
-@dataclass(frozen=True)
-class Tolerance:
-    """What does not count: of lengths in m and angles in rad, and the share of masses, inertias, efforts and speeds."""
-
-    absolute: float
-    relative: float
-
-    def apart(self, a: float, b: float) -> bool:
-        """Return whether two lengths or angles differ; infinite ones are equal."""
-        return a != b and not abs(a - b) <= self.absolute
-
-    def differ(self, a: float, b: float) -> bool:
-        """Return whether two masses, or what else has a share, differ."""
-        return a != b and not abs(a - b) <= self.relative * max(abs(a), abs(b))
-
-
-@dataclass(frozen=True)
-class Change:
-    """One difference.
-
-    Attributes:
-        kind: "added", "removed", "renamed" or "changed".
-        element: "robot", "link", "joint" or "state".
-        name: its name in A; in B, where it was added.
-        attribute: what changed: "position", "effort", ...; empty where it is the whole element.
-        before: what it was: a number, numbers, words, or None for nothing.
-        after: what it is.
-        size: how far apart they are, in `unit`; None where that is no number.
-        unit: of the numbers and of the size.
-    """
-
-    kind: str
-    element: str
-    name: str
-    attribute: str = ""
-    before: Value = None
-    after: Value = None
-    size: float | None = None
-    unit: str = ""
+__all__ = ["changes"]
 
 
 def changes(a: Model, b: Model, matching: Matching, tolerance: Tolerance) -> tuple[Change, ...]:
@@ -78,7 +37,7 @@ def changes(a: Model, b: Model, matching: Matching, tolerance: Tolerance) -> tup
         *comparison.whole(),
         *(change for joint in a.robot.joints for change in comparison.joint(joint)),
         *(change for link in a.robot.links for change in comparison.link(link)),
-        *_states(a, b, matching, tolerance),
+        *state_changes(a, b, matching, tolerance),
     )
 
 
@@ -133,7 +92,7 @@ class _Comparison:
         yield from self._place(ours, theirs)
         if ours.type.nv and theirs.type.nv:
             yield from self._axis(ours, theirs)
-            yield from self._limits(ours, theirs)
+            yield from limit_changes(ours, theirs, self.tolerance)
             yield from self._law(ours, theirs)
 
     def _place(self, ours: Joint, theirs: Joint) -> Iterator[Change]:
@@ -165,24 +124,6 @@ class _Comparison:
         if ours.type is theirs.type and self.tolerance.apart(ours.pitch, theirs.pitch):
             size = abs(ours.pitch - theirs.pitch)
             yield Change("changed", "joint", ours.name, "pitch", ours.pitch, theirs.pitch, size, "m")
-
-    def _limits(self, ours: Joint, theirs: Joint) -> Iterator[Change]:
-        if ours.type.nq != theirs.type.nq or ours.type.is_angle != theirs.type.is_angle:
-            return  # a new type says it all: the units are others
-        unit, effort = ("rad", "Nm") if ours.type.is_angle else ("m", "N")
-        if ours.type.nq == 1:
-            for end, before, after in zip(("lower", "upper"), ours.limit.range, theirs.limit.range, strict=True):
-                if self.tolerance.apart(before, after):
-                    ends = _finite(before), _finite(after)
-                    yield Change("changed", "joint", ours.name, end, *ends, _size(before, after), unit)
-        for what, unit_of, before_, after_ in (
-            ("effort", effort, ours.limit.effort, theirs.limit.effort),
-            ("velocity", f"{unit}/s", ours.limit.velocity, theirs.limit.velocity),
-        ):
-            before, after = (math.inf if value is None else value for value in (before_, after_))
-            if self.tolerance.differ(before, after):
-                ends = _finite(before), _finite(after)
-                yield Change("changed", "joint", ours.name, what, *ends, _size(before, after), unit_of)
 
     def _law(self, ours: Joint, theirs: Joint) -> Iterator[Change]:
         """Yield how the law of a follower changed; laws that come to the same through another leader have not."""
@@ -257,14 +198,6 @@ def _numbers(values: Array) -> tuple[float, ...]:
     return tuple(float(value) + 0.0 for value in values)
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def _size(before: float, after: float) -> float | None:
-    return _finite(abs(after - before))
-
-
 def _told(joint: Joint) -> str:
     """Return a joint in words: its type, and the links between which it is."""
     return f"{joint.type.value}, {joint.parent} to {joint.child}"
@@ -275,45 +208,3 @@ def _law(law: Mimic | None) -> str | None:
     if law is None:
         return None
     return f"{law.multiplier:.12g} x {law.joint}" + (f" {law.offset:+.12g}" if law.offset else "")
-
-
-# --- states ----------------------------------------------------------------------------------------------------------
-
-
-def _states(a: Model, b: Model, matching: Matching, tolerance: Tolerance) -> Iterator[Change]:
-    """Yield what changed of the named states; none where a robot came from standard input, which has no SRDF."""
-    if any(model.loaded.source.path is None and not model.semantics.file for model in (a, b)):
-        return
-    before, after = _by_name(a), _by_name(b)
-    for kind, here, there in (("removed", before, after), ("added", after, before)):
-        for name in here:
-            if name not in there:
-                yield Change(kind, "state", name)
-    for name, state in before.items():
-        if name in after:
-            yield from _state(name, state, after[name], a.robot, matching, tolerance)
-
-
-def _by_name(model: Model) -> dict[str, GroupState]:
-    return {f"{s.group}/{s.name}" if s.group else s.name: s for s in model.semantics.states}
-
-
-def _state(
-    name: str, before: GroupState, after: GroupState, robot: Robot, matching: Matching, tolerance: Tolerance
-) -> Iterator[Change]:
-    """Yield the joints of a state that are elsewhere now, those that it names in one robot only among them."""
-    ours = {matching.joints.get(joint, joint): (joint, values) for joint, values in before.positions.items()}
-    for other in dict.fromkeys((*ours, *after.positions)):
-        joint, was = ours.get(other, (matching.joints_back.get(other, other), ()))
-        now = after.positions.get(other, ())
-        sizes = [abs(x - y) for x, y in zip(was, now, strict=False)]
-        if len(was) == len(now) and not any(size > tolerance.absolute for size in sizes):
-            continue
-        known = robot.joint_by_name.get(joint)
-        unit = "" if known is None or known.type.nq != 1 else "rad" if known.type.is_angle else "m"
-        size = max(sizes) if len(was) == len(now) else None
-        yield Change("changed", "state", name, joint, _values(was), _values(now), size, unit)
-
-
-def _values(positions: tuple[float, ...]) -> Value:
-    return positions[0] if len(positions) == 1 else positions or None

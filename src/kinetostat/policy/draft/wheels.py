@@ -7,32 +7,49 @@ import numpy as np
 from kinetostat.analysis.configuration import random_configurations
 from kinetostat.conventions import Velocity
 from kinetostat.engines.model import Model
-from kinetostat.urdf.description import JointType
+from kinetostat.urdf.description import Joint, JointType
 
 __all__ = ["rolls"]
 
 _SAMPLES = 8  # random configurations, the largest rank of which is that of almost every one
-_ZERO = 1e-6  # of the robot's size, and of the largest singular value
+_ZERO = 1e-6  # of the robot's size
+_BALANCED = 0.5  # of a body's radius of gyration: a centre of mass nearer to the axis than that is a wheel's
 
 
 def rolls(model: Model, frame: str) -> bool:
-    """Return whether a chain ends in a wheel, a caster or another thing that spins for ever and goes nowhere by itself.
+    """Return whether a chain ends in a wheel or a caster: in what spins for ever and goes nowhere by itself.
 
-    Its last joint turns without end and does not move the frame's origin, which the joints above move along a curve at
-    most (a caster's swivel), or not at all. An arm whose last joint is endless moves its origin by those above; the
-    bob of a pendulum is moved by the last.
+    Its last joint turns without end, about an axis on which the frame's origin lies and near which the body's mass is
+    centred (a pendulum's is not); and the joints above move that origin along a curve at most, as a caster's swivel
+    does. An arm, or a leg with a wheel, whose last joint is endless moves its origin in more directions.
     """
     robot = model.robot
-    ways = [joint for joint, _ in robot.path(robot.root, frame) if joint.type is not JointType.FIXED]
-    if not ways or ways[-1].type is not JointType.CONTINUOUS or ways[-1].mimic is not None:
+    way = [joint for joint, _ in robot.path(robot.root, frame) if joint.type is not JointType.FIXED]
+    if not way or way[-1].type is not JointType.CONTINUOUS or way[-1].mimic is not None:
         return False
-    joints = robot.movable_path(robot.root, frame)
+    return _balanced(model, way[-1]) and _moved_along_a_curve(model, frame, way[-1])
+
+
+def _balanced(model: Model, joint: Joint) -> bool:
+    """Return whether the mass of the link that a joint turns is centred near its axis; where there is none, it is."""
+    inertial = model.robot.link_by_name[joint.child].inertial
+    if inertial is None or inertial.mass <= 0:
+        return True
+    centre, axis = np.array(inertial.origin.xyz), np.array(joint.axis)
+    offset = float(np.linalg.norm(centre - (centre @ axis) * axis))
+    ixx, _, _, iyy, _, izz = inertial.inertia
+    gyration = float(np.sqrt(max(ixx + iyy + izz, 0.0) / (2 * inertial.mass)))
+    return offset <= max(_BALANCED * gyration, _ZERO * model.robot.reach)
+
+
+def _moved_along_a_curve(model: Model, frame: str, last: Joint) -> bool:
+    """Return whether a frame's origin is moved in one direction at most, and by the last joint not at all."""
+    robot = model.robot
     q = random_configurations(robot, 0, _SAMPLES)
-    velocity = Velocity(frame, robot.root, robot.root, (0.0, 0.0, 0.0))
-    moved = model.engine.jacobian(q, velocity)[..., :3, :]
-    own = moved[..., robot.velocity_columns([ways[-1]])]
-    size = max(robot.reach, 1e-3)
-    if float(np.max(np.abs(own))) > _ZERO * size:
+    moved = model.engine.jacobian(q, Velocity(frame, robot.root, robot.root, (0.0, 0.0, 0.0)))[..., :3, :]
+    zero = _ZERO * max(robot.reach, 1e-3)
+    if float(np.max(np.abs(moved[..., robot.velocity_columns([last])]))) > zero:
         return False
-    values = np.linalg.svd(moved[..., robot.velocity_columns(joints)], compute_uv=False)
-    return int(np.max(np.sum(values > _ZERO * size, axis=-1))) < 2
+    columns = robot.velocity_columns(robot.movable_path(robot.root, frame))
+    values = np.linalg.svd(moved[..., columns], compute_uv=False)
+    return int(np.max(np.sum(values > zero, axis=-1))) < 2

@@ -68,22 +68,18 @@ def worst_gravity_torque(model: Model, asked: WorstGravity, folder: Path) -> Fou
         payload = Payload(asked.payload, frame, asked.point or (0.0, 0.0, 0.0))
     elif not any(model.engine.masses()):
         return _WEIGHTLESS
-    chosen = _chosen(robot, asked.joints)
     result = worst_torques(
         model,
         neutral(robot),
         gravity=True if asked.gravity is None else asked.gravity,
         payload=payload,
         limits=asked.effort_limits,
+        joints=asked.joints or None,
         samples=asked.samples,
         seed=asked.seed,
     )
     agreed(result.certificate)
-    names = [joint.name for joint in chosen] or list(result.joints)
-    columns = [result.joints.index(name) for name in names if name in result.joints]
-    if not columns:
-        return Found(None, "no joint that counts has one coordinate")
-    use = _Use(result.joints, result.units, result.torques[None], result.utilisation[None], columns)
+    use = _Use(result.joints, result.units, result.torques[None], result.utilisation[None], range(len(result.joints)))
     column = use.worst[1]
     worst, q = robot.joint_by_name[result.joints[column]], result.witnesses[column]
     return use.found(asked.at_most_percent, "", witness(robot, q, mattering(robot, worst, q, frame)))

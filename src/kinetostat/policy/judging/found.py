@@ -153,11 +153,13 @@ def witness(robot: Robot, q: Array, joints: Iterable[Joint]) -> dict[str, float]
 def mattering(robot: Robot, joint: Joint, q: Array, frame: str = "") -> list[Joint]:
     """Return the joints that decide what weight asks of a joint.
 
-    Those between the root and the joint, and where a frame holds something, up to that; and of what hangs on the joint,
-    those that are not at zero.
+    Those between the root and the joint; where it bears what a frame holds, those between the root and that; and of
+    what hangs on the joint, those that are not at zero.
     """
-    found = {one.name: one for one in robot.movable_path(robot.root, frame or joint.child)}
-    found |= {one.name: one for one in robot.movable_path(robot.root, joint.child)}
+    path = robot.movable_path(robot.root, frame) if frame else []
+    if joint not in path:
+        path = robot.movable_path(robot.root, joint.child)
+    found = {one.name: one for one in path}
     rest, stack = neutral(robot), [joint.child]
     while stack:
         for below in robot.child_joints[stack.pop()]:

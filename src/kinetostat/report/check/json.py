@@ -98,6 +98,7 @@ def _outcome(outcome: Outcome) -> Json:
     return {
         "kind": outcome.kind,
         "title": outcome.title,
+        "remedy": outcome.remedy or None,
         "met": outcome.met,
         "wanted": outcome.wanted,
         "found": outcome.found,

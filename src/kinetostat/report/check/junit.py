@@ -18,6 +18,7 @@ from kinetostat.report.check.words import (
     configuration_text,
     disagreement_text,
     finding_text,
+    renewal_text,
     skipped_by_reason,
 )
 
@@ -141,7 +142,8 @@ def _expectation(outcome: Outcome) -> _Case:
     if outcome.met is None:
         return _Case(name, "error", printable(f"could not be judged: {outcome.found}"), kind="not judged")
     told = printable(f"wanted {outcome.wanted}, found {outcome.found}")
-    return _Case(name, "failure", told, configuration_text(outcome.witness), "not met")
+    where = "\n".join(filter(None, (configuration_text(outcome.witness), renewal_text(outcome))))
+    return _Case(name, "failure", told, where, "not met")
 
 
 def _line(finding: Finding) -> str:

@@ -117,7 +117,12 @@ def _expectation(outcome: Outcome) -> str:
     if outcome.met is None:
         return f"{told}: {escaped(outcome.found)}"
     witness = escaped(configuration_text(outcome.witness))
-    return f"{told}: wanted {escaped(outcome.wanted)}, found **{escaped(outcome.found)}**" + (witness and f" {witness}")
+    renewal = f"; if that is meant: {code(outcome.remedy)}" if outcome.remedy else ""
+    return (
+        f"{told}: wanted {escaped(outcome.wanted)}, found **{escaped(outcome.found)}**"
+        + (witness and f" {witness}")
+        + renewal
+    )
 
 
 def code(text: str) -> str:

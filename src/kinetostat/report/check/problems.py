@@ -12,7 +12,7 @@ from kinetostat.gate.result import FileCheck, Verdict
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.policy.outcome import Outcome
 from kinetostat.report.check.source import columns, line_of
-from kinetostat.report.check.words import finding_text, outcome_text, path_from
+from kinetostat.report.check.words import finding_text, outcome_text, path_from, renewal_text
 
 __all__ = ["CRASHED", "POLICY", "Problem", "problems"]
 
@@ -100,6 +100,5 @@ def _finding(file: FileCheck, finding: Finding, path: str, identity: tuple[str, 
 
 def _outcome(outcome: Outcome, path: str, identity: tuple[str, ...]) -> Problem:
     kind = printable(outcome.kind)
-    return Problem(
-        POLICY, kind, Severity.ERROR, outcome_text(outcome), "", path, place=outcome.place, identity=identity
-    )
+    told, hint = outcome_text(outcome), renewal_text(outcome)
+    return Problem(POLICY, kind, Severity.ERROR, told, hint, path, place=outcome.place, identity=identity)

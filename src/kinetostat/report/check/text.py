@@ -17,6 +17,7 @@ from kinetostat.report.check.words import (
     disagreement_text,
     finding_text,
     reasons,
+    renewal_text,
     skipped_by_reason,
     totals,
     totals_text,
@@ -137,6 +138,8 @@ class _Writer:
         for what, text in said:
             if text:
                 yield from _wrapped(f"    {what + ':':8}{printable(text)}", 12)
+        if outcome.remedy and not outcome.met:
+            yield f"    {renewal_text(outcome)}"  # in one piece, so that it can be pasted
 
 
 def _wrapped(text: str, indent: int) -> list[str]:

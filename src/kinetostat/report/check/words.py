@@ -162,6 +162,11 @@ def outcome_text(outcome: Outcome) -> str:
     return printable(" ".join(filter(None, (told, configuration_text(outcome.witness)))))
 
 
+def renewal_text(outcome: Outcome) -> str:
+    """Return what to do if it is meant to be otherwise now; empty if there is no command for that."""
+    return f"if that is meant: {printable(outcome.remedy)}" if outcome.remedy else ""
+
+
 def skipped_by_reason(file: FileCheck, *, all_codes: bool = True) -> dict[str, str]:
     """Return for each reason, which rules were not asked for it."""
     found: dict[str, list[str]] = {}

@@ -18,6 +18,7 @@ from kinetostat.urdf.packages import Reason
 __all__ = ["LOOKUP"]
 
 _WINDOWS = re.compile(r"[A-Za-z]:[\\/]|\\")
+_FILE = re.compile(r"file://", re.IGNORECASE)
 _SPECIAL = ("/dev/", "/proc/", "/sys/")
 _PERCENT = re.compile(r"%[0-9A-Fa-f]{2}")
 _LOST = (Reason.MISSING, Reason.UNFOLLOWED, Reason.NUL)
@@ -44,7 +45,7 @@ _THERE = {"meshes/base.stl": _FACET}
 
 def _is_asset(file: NamedFile) -> bool:
     """Return whether a name is that of a mesh or a picture, not of a device or of any other file."""
-    return file.extension in MESHES | PICTURES and not file.name.startswith(_SPECIAL)
+    return file.extension in MESHES | PICTURES and not _FILE.sub("", file.name).startswith(_SPECIAL)
 
 
 class MissingMesh(FileRule):

@@ -134,7 +134,9 @@ class UnevenSides(Rule):
         names = listed([other.name for _, other, _ in rest])
         what = [each for each in ("mass", "centre of mass", "moments") if any(each in c.differing for *_, c in rest)]
         message = f"{len(rest)} of {count} left-right pairs differ in {', '.join(what)}: {names}"
-        return self.finding(right.element, message, severity=Severity.INFO, hint=f"compare with {_name(left)}")
+        return self.finding(
+            right.element, message, severity=Severity.INFO, hint=f"compare with {_name(left)}", several=len(rest) > 1
+        )
 
     def _compared(self, subject: Subject) -> list[Pair]:
         bodies = bodies_of(subject)

@@ -75,7 +75,7 @@ class PlaceholderTensor(Rule):
         for entries, links in placeholders(bodies).items():
             counted = [each for each in links if not bodies.negligible(each)] or links
             severity, message = self._judged(bodies, entries, links, counted)
-            yield self.finding(counted[0].element, message, severity=severity)
+            yield self.finding(counted[0].element, message, severity=severity, several=len(links) > 1)
 
     def _judged(
         self, bodies: Bodies, entries: tuple[float, ...], links: Sequence[LinkInertia], counted: Sequence[LinkInertia]

@@ -57,22 +57,31 @@ class ZeroTensor(Rule):
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield the tensors of zero; an info for those that count as point masses in every tool."""
         bodies = bodies_of(subject)
-        zero = [each for each in bodies.inertias.values() if each.flaw is Flaw.ZERO]
-        free = [each for each in zero if self._turns_freely(bodies, each)]
-        fixed = [each for each in zero if each not in free]
-        noise = [each for each in fixed if any(each.entries) and each.principal[0] < MUJOCO_LEAST]
-        points = [each for each in fixed if each not in noise and not bodies.negligible(each)]
+        largest = self._largest(bodies)
+        free, noise, points = list[LinkInertia](), list[LinkInertia](), list[LinkInertia]()
+        for each in bodies.inertias.values():
+            if each.flaw is not Flaw.ZERO:
+                continue
+            # Moved by a joint, and nothing that is fixed to it has a larger moment of inertia.
+            if bodies.of(each.name).carrier is not None and max(each.entries) >= largest[bodies.head[each.name]]:
+                free.append(each)
+            elif any(each.entries) and each.principal[0] < MUJOCO_LEAST:
+                noise.append(each)
+            elif not bodies.negligible(each):
+                points.append(each)
         yield from grouped(self, [self._of(each) for each in free], what="link")
         hint = "write 0 for all six entries, which stands for a point mass, or write the moments"
         refused = ": MuJoCo refuses what is nearly, but not quite, zero"
         yield from grouped(self, [self._of(each, refused) for each in noise], what="link", hint=hint)
         yield from grouped(self, [self._of(each) for each in points], what="link", severity=Severity.INFO)
 
-    def _turns_freely(self, bodies: Bodies, inertia: LinkInertia) -> bool:
-        """Return whether the link is moved, and nothing that is fixed to it has a moment of inertia."""
-        body = bodies.of(inertia.name)
-        others = [bodies.inertias[link] for link in body.links if link in bodies.inertias]
-        return body.carrier is not None and all(max(each.entries) <= max(inertia.entries) for each in others)
+    def _largest(self, bodies: Bodies) -> dict[str, float]:
+        """Return the largest entry of a tensor in each body, by its first link."""
+        largest = dict[str, float]()
+        for each in bodies.inertias.values():
+            head = bodies.head[each.name]
+            largest[head] = max(largest.get(head, each.entries[0]), *each.entries)
+        return largest
 
     def _of(self, inertia: LinkInertia, so: str = "") -> Found:
         largest = max(map(abs, inertia.entries))
@@ -104,7 +113,7 @@ class TensorNotPositive(Rule):
         singular = [each for each in told if each.flaw is Flaw.SINGULAR]
         hint = "a real rod has some moment about its own axis, too: mass x radius^2 / 2"
         for group, severity, remedy in (
-            ([each for each in negative if each not in slight], None, None),
+            ([each for each in negative if not bodies.negligible(each)], None, None),
             (slight, Severity.WARNING, None),
             (singular, Severity.WARNING, hint),
         ):

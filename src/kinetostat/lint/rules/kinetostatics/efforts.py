@@ -52,7 +52,7 @@ class GravityOverEffort(Rule):
     The torque that holds the links still there, with the root link fixed and upright, is more than the joint may give:
     a simulator that respects the limit lets the arm sink, and a controller saturates. Either masses or the limit are
     wrong, or the range is wider than the robot can use, or a balancing spring carries what the file knows nothing of.
-    What is told is a configuration that shows it, not the worst. Springs and suspensions are left out by their names,
+    The message gives a configuration that shows it, not the worst. Springs and suspensions are left out by their names,
     and so is the weight of links on which the file turns gravity off for Gazebo.
     """
 
@@ -101,7 +101,7 @@ class GravityOverEffort(Rule):
                 f"weight takes {abs(each.torque):.4g} {each.unit} of {each.limit:.4g} {each.unit}"
                 f" ({100 * each.share:.0f} %) at {_words(subject.model.robot, each.q)}{others}"
             )
-            yield self.finding(limit, message, attribute="effort")
+            yield self.finding(limit, message, attribute="effort", several=several)
 
 
 def _overloads(subject: Subject) -> list[_Overload]:

@@ -100,7 +100,7 @@ class SingularState(Rule):
     At a singular configuration a chain cannot move in some direction, joint rates for a straight line grow without
     bound, and the torque of some force is not felt. Few arms are not singular at zero, and stretched legs are; that is
     worth knowing. A home or ready pose is where Cartesian motions begin: there it is a mistake more often than not. A
-    state that is zero on the chain is told with zero. Of a chain of three joints the position of the tip counts, of
+    state that is zero on the chain is reported with zero. Of a chain of three joints the position of the tip counts, of
     longer ones the orientation, too; grippers are no part of the chain.
     """
 

@@ -142,7 +142,7 @@ class MissingPrefix(Rule):
     """A link lacks the prefix that all others around it have.
 
     Where one robot description is used twice, a prefix keeps the copies apart; a name that was forgotten appears in
-    both. Only links between two that have the prefix are told: hands, cameras and mounts have names of their own.
+    both. Only links between two that have the prefix are reported: hands, cameras and mounts have names of their own.
     """
 
     code = "N204"

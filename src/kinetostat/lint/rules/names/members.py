@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from kinetostat.errors import quote
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.names.srdf import ARM, SrdfRule, joint_names
-from kinetostat.lint.rules.names.unknown import unknown
+from kinetostat.lint.rules.names.srdf import ARM, SrdfRule
 from kinetostat.lint.subject import Subject, name_of
 from kinetostat.urdf.document import Element
 
@@ -26,7 +25,7 @@ class BrokenGroup(SrdfRule):
     """A group of the SRDF names links, joints or groups that are not there.
 
     MoveIt leaves the name out, and with a missing subgroup the whole group: planning for it fails, or moves fewer
-    joints than was meant.
+    joints than was meant. A name that other parts of the SRDF use, too, is reported once, where it is first used.
     """
 
     code = "N314"
@@ -50,17 +49,8 @@ class BrokenGroup(SrdfRule):
 
     def check_srdf(self, subject: Subject, root: Element, file: str) -> Iterator[Finding]:
         """Yield what is not there, empty groups, groups given twice, and groups within themselves."""
-        assert subject.robot is not None
-        groups, links = root.all("group"), subject.robot.link_by_name
-        known = _group_elements(root)
-        parts = [part for group in groups for part in group.children if part.tag in _PARTS]
-        for kind, names in (("link", links), ("joint", joint_names(subject, root)), ("group", known)):
-            uses = [(part, name_of(part)) for part in parts if part.tag == kind]
-            where = "defined" if kind == "group" else "in the robot"
-            yield from unknown(self, kind, uses, names, attribute="name", file=file, where=where)
-        for key in ("base_link", "tip_link"):
-            ends = [(part, part.attributes.get(key, "")) for part in parts if part.tag == "chain"]
-            yield from unknown(self, key, ends, links, attribute=key, file=file)
+        yield from self.lost(subject, file)
+        groups, known = root.all("group"), _group_elements(root)
         for group in groups:
             if not any(part.tag in _PARTS for part in group.children):
                 yield self.finding(group, "the group is empty", hint="name its joints, or a chain", file=file)
@@ -116,18 +106,9 @@ class BrokenEndEffector(SrdfRule):
 
     def check_srdf(self, subject: Subject, root: Element, file: str) -> Iterator[Finding]:
         """Yield what is not there, and what does not fit together."""
-        assert subject.robot is not None
-        effectors, groups = root.all("end_effector"), _group_elements(root)
-        for key, kind, known in (
-            ("parent_link", "link", subject.robot.link_by_name),
-            ("group", "group", groups),
-            ("parent_group", "group", groups),
-        ):
-            uses = [(e, e.attributes[key]) for e in effectors if e.attributes.get(key)]
-            where = "defined" if kind == "group" else "in the robot"
-            yield from unknown(self, kind, uses, known, attribute=key, file=file, where=where)
+        yield from self.lost(subject, file)
         held = _Links(subject)
-        for effector in effectors:
+        for effector in root.all("end_effector"):
             missing = [key for key in ("parent_link", "group") if not effector.attributes.get(key)]
             if missing:
                 yield self.finding(effector, f"no {' and no '.join(missing)}", hint="name it", file=file)
@@ -185,14 +166,9 @@ class BrokenSrdfJoint(SrdfRule):
     def check_srdf(self, subject: Subject, root: Element, file: str) -> Iterator[Finding]:
         """Yield what is not there, virtual joints elsewhere than at the root, and of unknown types."""
         assert subject.robot is not None
-        joints = joint_names(subject, root)
-        passive = [(element, name_of(element)) for element in root.all("passive_joint")]
-        yield from unknown(self, "joint", passive, joints, attribute="name", file=file)
-        owners = [(e, e.attributes.get("joint_name", "")) for e in root.all("joint_property")]
-        yield from unknown(self, "joint", owners, joints, attribute="joint_name", file=file)
-        virtual = [(e, e.attributes.get("child_link", "")) for e in root.all("virtual_joint")]
-        yield from unknown(self, "link", virtual, subject.robot.link_by_name, attribute="child_link", file=file)
-        for element, child in virtual:
+        yield from self.lost(subject, file)
+        for element in root.all("virtual_joint"):
+            child = element.attributes.get("child_link", "")
             kind = element.attributes.get("type", "").strip().lower()
             if kind not in ("fixed", "floating", "planar"):
                 hint = "write fixed, floating or planar"
@@ -223,12 +199,8 @@ class BrokenCollisions(SrdfRule):
 
     def check_srdf(self, subject: Subject, root: Element, file: str) -> Iterator[Finding]:
         """Yield the links that are not there, and pairs that are none."""
-        assert subject.robot is not None
+        yield from self.lost(subject, file)
         pairs = [e for e in root.children if e.tag in ("disable_collisions", "enable_collisions")]
-        single = [e for e in root.children if e.tag in ("disable_default_collisions", "link_sphere_approximation")]
-        uses = [(e, e.attributes[key]) for e in pairs for key in ("link1", "link2") if e.attributes.get(key)]
-        uses += [(e, e.attributes["link"]) for e in single if e.attributes.get("link")]
-        yield from unknown(self, "link", uses, subject.robot.link_by_name, file=file)
         for element in pairs:
             one, other = element.attributes.get("link1", ""), element.attributes.get("link2", "")
             if not one or not other:

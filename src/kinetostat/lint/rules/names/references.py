@@ -6,11 +6,10 @@ from collections.abc import Iterator
 
 from kinetostat.errors import quote
 from kinetostat.lint.finding import Finding, Severity
-from kinetostat.lint.grouping import FEW, listed
+from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.names.unknown import unknown
+from kinetostat.lint.rules.names.uses import robot_uses, told
 from kinetostat.lint.subject import Subject, first, name_of
-from kinetostat.urdf.document import Element
 
 __all__ = ["REFERENCES"]
 
@@ -37,14 +36,22 @@ _FINGERS = """
         </joint>"""
 
 
-def _named(parts: list[Element]) -> list[tuple[Element, str]]:
-    return [(part, name_of(part)) for part in parts if name_of(part)]
+def _lost(rule: Rule, subject: Subject) -> Iterator[Finding]:
+    """Yield the names that are not there and that a rule tells: that of the worst use, by the order of codes."""
+    kept = vars(subject)  # as cached_property does: three rules ask
+    joints, links = subject.joint_elements, subject.link_elements
+    known = {"joint": joints, "link or joint": {**links, **joints}}
+    if "lost_references" not in kept:
+        lost = [use for use in robot_uses(subject) if use.name not in known[use.kind]]
+        kept["lost_references"] = sorted(lost, key=lambda use: use.code)
+    yield from told(rule, subject, kept["lost_references"], known)
 
 
 class LostTransmission(Rule):
     """A transmission drives a joint that is not there, or is fixed.
 
     gazebo_ros_control and the hardware of ros_control stop at the first such joint: no controller starts, of any joint.
+    A name that is not there and that Gazebo or ros2_control blocks use, too, is reported once.
     """
 
     code = "N301"
@@ -64,21 +71,13 @@ class LostTransmission(Rule):
 
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield each joint that a transmission names in vain."""
-        uses = [use for block in subject.root.all("transmission") for use in _named(block.all("joint"))]
-        yield from unknown(self, "joint", uses, subject.joint_elements, attribute="name")
-        fixed = [use for use in uses if _is_fixed(subject, use[1])]
-        if len(fixed) > FEW:
-            message = f"{len(fixed)} transmissions drive joints that are fixed: {listed([name for _, name in fixed])}"
-            yield self.finding(fixed[0][0], message, attribute="name")
-        else:
-            for element, name in fixed:
-                message = f"the joint is fixed, line {subject.joint_elements[name].line}"
-                yield self.finding(element, message, attribute="name")
-
-
-def _is_fixed(subject: Subject, name: str) -> bool:
-    joint = subject.joint_elements.get(name)
-    return joint is not None and joint.attributes.get("type") == "fixed"
+        yield from _lost(self, subject)
+        found = list[Found]()
+        for use in robot_uses(subject):
+            joint = subject.joint_elements.get(use.name)
+            if use.code == self.code and joint is not None and joint.attributes.get("type") == "fixed":
+                found.append(Found(use.at, use.name, f"the joint is fixed, line {joint.line}", "name"))
+        yield from grouped(self, found, what="joint")
 
 
 class LostGazebo(Rule):
@@ -99,10 +98,7 @@ class LostGazebo(Rule):
 
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield each reference to what is not there."""
-        known = {**subject.link_elements, **subject.joint_elements}
-        blocks = subject.root.all("gazebo")
-        uses = [(block, block.attributes["reference"]) for block in blocks if block.attributes.get("reference")]
-        yield from unknown(self, "link or joint", uses, known, attribute="reference")
+        yield from _lost(self, subject)
 
 
 class LostControl(Rule):
@@ -129,8 +125,7 @@ class LostControl(Rule):
 
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield each joint that is not there."""
-        uses = [use for block in subject.root.all("ros2_control") for use in _named(block.all("joint"))]
-        yield from unknown(self, "joint", uses, subject.joint_elements, attribute="name")
+        yield from _lost(self, subject)
 
 
 class CommandedFollower(Rule):
@@ -158,8 +153,8 @@ class CommandedFollower(Rule):
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield each follower that can be commanded."""
         for block in subject.root.all("ros2_control"):
-            for element, name in _named(block.all("joint")):
-                mimic = first(subject.joint_elements.get(name), "mimic")
+            for element in block.all("joint"):
+                mimic = first(subject.joint_elements.get(name_of(element)), "mimic")
                 free = element.attributes.get("mimic", "").lower() == "false"
                 if mimic is not None and element.all("command_interface") and not free:
                     leader = quote(mimic.attributes.get("joint", ""))

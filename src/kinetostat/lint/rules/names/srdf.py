@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import ClassVar
 
 from kinetostat.errors import cut, quote
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.rule import Example, Needs, Rule
+from kinetostat.lint.rules.names.uses import Use, srdf_uses, told
 from kinetostat.lint.subject import Subject, name_of
+from kinetostat.urdf.description import JointType
 from kinetostat.urdf.document import Element
+from kinetostat.urdf.reading import words
 
-__all__ = ["ARM", "SRDF", "SrdfRule"]
+__all__ = ["ARM", "FREE_FLYER", "SRDF", "SrdfRule", "is_free_flyer", "joint_names"]
+
+FREE_FLYER = "root_joint"  # of Pinocchio: position and quaternion of a floating base
 
 ARM = """
         <link name="base"/>
@@ -47,46 +53,100 @@ class SrdfRule(Rule):
 
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield what is found in the SRDF, unless that is another robot's: one finding says so."""
-        if subject.srdf is not None and subject.srdf.root.tag == "robot" and (self.always or not _strange(subject)):
+        if subject.srdf is None or subject.srdf.root.tag != "robot":
+            return
+        if self.always or not _strange(_names_of(subject)):
             yield from self.check_srdf(subject, subject.srdf.root, subject.srdf.file)
 
     def check_srdf(self, subject: Subject, root: Element, file: str) -> Iterator[Finding]:
         """Yield what is found in an SRDF: `root` is its root element, `file` its path."""
         raise NotImplementedError
 
+    def lost(self, subject: Subject, file: str) -> Iterator[Finding]:
+        """Yield the names that are not there and that the SRDF uses first where this rule looks."""
+        names = _names_of(subject)
+        groups = [use for use in names.lost if use.kind == "group"]
+        others = [use for use in names.lost if use.kind != "group"]
+        yield from told(self, subject, others, names.known, file=file)
+        yield from told(self, subject, groups, names.known, where="defined", file=file)
 
-def _names(root: Element) -> Iterator[tuple[str, str]]:
-    """Yield what an SRDF says of links and joints: "link" or "joint", and the name."""
-    for element in root.children:
-        if element.tag in ("group", "group_state"):
-            for part in element.children:
-                if part.tag in ("link", "joint"):
-                    yield part.tag, name_of(part)
-                elif part.tag == "chain":
-                    yield from (("link", part.attributes.get(key, "")) for key in ("base_link", "tip_link"))
-        elif element.tag == "disable_collisions":
-            yield from (("link", element.attributes.get(key, "")) for key in ("link1", "link2"))
+    def finding(
+        self,
+        at: Element | int,
+        message: str,
+        *,
+        hint: str | None = None,
+        severity: Severity | None = None,
+        attribute: str = "",
+        file: str = "",
+        element: str = "",
+        several: bool = False,
+    ) -> Finding:
+        """Return a finding at an element, which is called by the group or state that it is in, too."""
+        if isinstance(at, Element) and not element:
+            element = _label(at)
+        return super().finding(
+            at,
+            message,
+            hint=hint,
+            severity=severity,
+            attribute=attribute,
+            file=file,
+            element=element,
+            several=several,
+        )
 
 
-def _strange(subject: Subject) -> tuple[int, ...]:
-    """Return how many names in the SRDF are not the robot's, and of how many; nothing unless they are most of many."""
-    kept = vars(subject)  # as cached_property does: all rules about the SRDF ask
-    if "_strange" not in kept:
+def _label(element: Element) -> str:
+    above = element.parent
+    inside = above is not None and above.tag in ("group", "group_state")
+    return f"{above.label()}{element.label()}" if above is not None and inside else element.label()
+
+
+@dataclass(frozen=True)
+class _Names:
+    """The names that an SRDF uses: all uses, those of names that are not there, and the names that there are."""
+
+    uses: tuple[Use, ...]
+    lost: tuple[Use, ...]
+    known: Mapping[str, Collection[str]]
+
+
+def _names_of(subject: Subject) -> _Names:
+    """Return the names that an SRDF uses; they are kept with the subject, as its own properties are."""
+    kept = vars(subject)
+    if "srdf_names" not in kept:
         assert subject.srdf is not None
         assert subject.robot is not None
-        known = {("link", name) for name in subject.robot.link_by_name}
-        known |= {("joint", name) for name in joint_names(subject, subject.srdf.root)}
-        names = set(_names(subject.srdf.root))
-        lost = len(names - known)
-        kept["_strange"] = (lost, len(names)) if len(names) >= _ENOUGH and lost > len(names) / 2 else ()
-    strange: tuple[int, ...] = kept["_strange"]
-    return strange
+        root = subject.srdf.root
+        known: dict[str, Collection[str]] = {
+            "link": subject.robot.link_by_name,
+            "joint": joint_names(subject, root),
+            "group": {name_of(group) for group in root.all("group")},
+        }
+        uses = tuple(use for use in srdf_uses(root) if use.name in known[use.kind] or not is_free_flyer(use.at))
+        lost = tuple(use for use in uses if not use.name or use.name not in known[use.kind])
+        kept["srdf_names"] = _Names(uses, lost, known)
+    names: _Names = kept["srdf_names"]
+    return names
+
+
+def _strange(names: _Names) -> tuple[int, ...]:
+    """Return how many names in the SRDF are not the robot's, and of how many; nothing unless they are most of many."""
+    used = {(use.kind, use.name) for use in names.uses if use.kind != "group"}
+    lost = {(use.kind, use.name) for use in names.lost if use.kind != "group"}
+    return (len(lost), len(used)) if len(used) >= _ENOUGH and len(lost) > len(used) / 2 else ()
 
 
 def joint_names(subject: Subject, root: Element) -> dict[str, None]:
     """Return the names of the robot's joints, and of the joints that the SRDF adds to them."""
     assert subject.robot is not None
     return dict.fromkeys([*subject.robot.joint_by_name, *(name_of(joint) for joint in root.all("virtual_joint"))])
+
+
+def is_free_flyer(element: Element) -> bool:
+    """Return whether the value of a state is that of Pinocchio's floating base: position and quaternion."""
+    return name_of(element) == FREE_FLYER and len(words(element.attributes.get("value", ""))) == JointType.FLOATING.nq
 
 
 class UnreadableSrdf(Rule):
@@ -131,7 +191,7 @@ class OtherRobot(SrdfRule):
     def check_srdf(self, subject: Subject, root: Element, file: str) -> Iterator[Finding]:
         """Yield how many links and joints are another robot's, or else the two names."""
         assert subject.robot is not None
-        strange = _strange(subject)
+        strange = _strange(_names_of(subject))
         if strange:
             message = f"{strange[0]} of the {strange[1]} links and joints that the SRDF names are not in the robot"
             hint = "write an SRDF for this robot, or name the right one"

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 from kinetostat.errors import quote
 from kinetostat.lint.finding import Finding, Severity
-from kinetostat.lint.grouping import FEW, listed
+from kinetostat.lint.grouping import Found, grouped, listed
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.names.srdf import ARM, SrdfRule, joint_names
-from kinetostat.lint.rules.names.unknown import unknown
+from kinetostat.lint.rules.names.srdf import ARM, FREE_FLYER, SrdfRule, is_free_flyer, joint_names
 from kinetostat.lint.subject import Subject, name_of
 from kinetostat.urdf.description import Joint, JointType
 from kinetostat.urdf.document import Element
@@ -21,7 +20,6 @@ __all__ = ["STATES"]
 
 TOLERANCE = 1e-6  # rad or m beyond a limit: what rounding in the last digit makes
 _LAW = 1e-3  # rad or m between a follower and what its leader makes of it
-_FREE_FLYER = "root_joint"  # of Pinocchio: position and quaternion of a floating base
 _GROUP = '<group name="arm"><joint name="shoulder"/></group>'
 
 
@@ -68,11 +66,8 @@ class StateOfNoGroup(SrdfRule):
 
     def check_srdf(self, subject: Subject, root: Element, file: str) -> Iterator[Finding]:
         """Yield each group that is not defined, and the states without one."""
-        del subject  # it is about the SRDF alone
+        yield from self.lost(subject, file)
         states = root.all("group_state")
-        uses = [(state, state.attributes["group"]) for state in states if state.attributes.get("group")]
-        known = {name_of(group) for group in root.all("group")}
-        yield from unknown(self, "group", uses, known, attribute="group", file=file, where="defined")
         bare = [state for state in states if not state.attributes.get("group")]
         if bare:
             which = f"; {len(bare)} states are so" if len(bare) > 1 else ""
@@ -94,18 +89,14 @@ class StateOfOtherJoints(SrdfRule):
 
     def check_srdf(self, subject: Subject, root: Element, file: str) -> Iterator[Finding]:
         """Yield the joints that are not there, and those that are in another group."""
-        known = joint_names(subject, root)
+        yield from self.lost(subject, file)
         values = list(_values(root))
-        flying = [v for v in values if v.name == _FREE_FLYER and len(v.numbers) == JointType.FLOATING.nq]
-        if flying and _FREE_FLYER not in known:
-            message = (
-                f"joint {quote(_FREE_FLYER)} is Pinocchio's floating base; MoveIt knows it as a virtual_joint only"
-            )
-            hint = f'add <virtual_joint name="{_FREE_FLYER}" type="floating" .../>'
+        flying = [value for value in values if is_free_flyer(value.element)]
+        if flying and FREE_FLYER not in joint_names(subject, root):
+            message = f"joint {quote(FREE_FLYER)} is Pinocchio's floating base; MoveIt knows it as a virtual_joint only"
+            hint = f'add <virtual_joint name="{FREE_FLYER}" type="floating" .../>'
             yield self.finding(flying[0].element, message, hint=hint, file=file, severity=Severity.INFO)
-        uses = [(v.element, v.name) for v in values if v not in flying]
-        yield from unknown(self, "joint", uses, known, attribute="name", file=file)
-        yield from self._strangers(subject, [v for v in values if v not in flying], file)
+        yield from self._strangers(subject, [value for value in values if value not in flying], file)
 
     def _strangers(self, subject: Subject, values: list[_Value], file: str) -> Iterator[Finding]:
         """Yield the joints of each state that are not in its group. Fixed joints are another rule's."""
@@ -117,18 +108,21 @@ class StateOfOtherJoints(SrdfRule):
             group = groups.get(value.state.attributes.get("group", ""))
             if group and value.name in moving and value.name not in group:
                 strangers.setdefault(id(value.state), []).append(value)
-        for found in strangers.values():
-            names, group_name = [v.name for v in found], found[0].state.attributes["group"]
+        found = list[Found]()
+        for each in strangers.values():
+            state, names = each[0].state, [value.name for value in each]
             what = f"joint {quote(names[0])} is" if len(names) == 1 else f"{len(names)} joints are"
             rest = f": {listed(names)}" if len(names) > 1 else ""
-            yield self.finding(found[0].element, f"{what} not in group {quote(group_name)}{rest}", file=file)
+            message = f"{what} not in group {quote(state.attributes['group'])}{rest}"
+            found.append(Found(each[0].element, name_of(state), message, "name"))
+        yield from grouped(self, found, what="state", alike=True, file=file)
 
 
 class WrongCount(SrdfRule):
     """A state of the SRDF gives a joint another count of numbers than the joint has.
 
     A revolute joint has one number, a planar one three, a floating one seven (position and quaternion), a fixed one
-    none. MoveIt passes over what does not fit.
+    none. MoveIt passes over what does not fit; that a fixed joint has a value at all does no harm.
     """
 
     code = "N323"
@@ -154,8 +148,14 @@ class WrongCount(SrdfRule):
         if fixed:
             first = next(iter(fixed.values()))
             what = "the joint is fixed" if len(fixed) == 1 else f"{len(fixed)} joints are fixed, {listed(list(fixed))}"
-            hint = "remove the line"
-            yield self.finding(first.element, f"{what}: no value counts", hint=hint, attribute="value", file=file)
+            yield self.finding(
+                first.element,
+                f"{what}: no value counts",
+                hint="remove the line",
+                severity=Severity.INFO,
+                attribute="value",
+                file=file,
+            )
 
 
 def _counts(joint: Joint) -> tuple[int, ...]:
@@ -186,19 +186,9 @@ class StateOutsideLimits(SrdfRule):
                 message = _beyond(joint, value.numbers[0])
                 if message:
                     outside.setdefault(id(value.state), []).append((value, message))
-        for found in outside.values():
-            yield from self._told(found, file)
-
-    def _told(self, found: list[tuple[_Value, str]], file: str) -> Iterator[Finding]:
-        """Yield the values of one state that are outside: one by one, or together."""
-        if len(found) > FEW:
-            value, message = found[0]
-            names = listed([each.name for each, _ in found])
-            message += f"; {len(found)} joints of the state are outside: {names}"
-            yield self.finding(value.element, message, attribute="value", file=file)
-        else:
-            for value, message in found:
-                yield self.finding(value.element, message, attribute="value", file=file)
+        for values in outside.values():
+            found = [Found(value.element, value.name, message, "value") for value, message in values]
+            yield from grouped(self, found, what="joint", file=file)
 
 
 def _beyond(joint: Joint, value: float) -> str:

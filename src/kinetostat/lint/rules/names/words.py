@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from kinetostat.errors import cut, quote
 from kinetostat.lint.finding import Finding, Severity
-from kinetostat.lint.grouping import FEW, listed
+from kinetostat.lint.grouping import Found, grouped, listed
 from kinetostat.lint.rule import Example, Rule
 from kinetostat.lint.subject import Subject, name_of
 from kinetostat.urdf.document import Element
@@ -44,14 +44,12 @@ class _NameRule(Rule):
 
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield each name that is wrong, or one finding for all if they are many."""
-        found = [(element, fault) for element in _named(subject) if (fault := self.fault(name_of(element)))]
-        if len(found) > FEW:
-            element, fault = found[0]
-            names = listed([name_of(each) for each, _ in found])
-            yield self.finding(element, f"{fault}; {len(found)} names are so: {names}", attribute="name")
-        else:
-            for element, fault in found:
-                yield self.finding(element, fault, attribute="name")
+        found = [
+            Found(element, name_of(element), fault, "name")
+            for element in _named(subject)
+            if (fault := self.fault(name_of(element)))
+        ]
+        yield from grouped(self, found, what="name")
 
 
 class BlankInName(_NameRule):

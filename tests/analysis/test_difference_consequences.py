@@ -357,9 +357,9 @@ def test_a_moved_arm_of_a_large_robot_is_told_in_seconds_and_of_all_its_tips():
     def change(root):
         put(joint(root, "arm_right_1_joint"), "origin", xyz="0.03 -0.19 -0.171", rpy="0.01 0 -1.5708")
 
-    begun = time.perf_counter()
+    begun = time.process_time()
     result = compared(HAND, change)
-    assert time.perf_counter() - begun < 20
+    assert time.process_time() - begun < 60  # 6 s on a free core; it was minutes
     found = tips(result)
     assert len(found) == 11
     assert all(name.startswith("hand_right") for name in found)

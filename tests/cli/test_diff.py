@@ -253,7 +253,7 @@ def test_numbers_in_a_row_are_told_apart_and_slight_ones_counted(cli, write):
 def test_tips_that_move_alike_are_one_row_with_all_names_in_json(cli, write):
     path = write(PANDA, lambda root: put(joint(root, "panda_joint7"), "origin", xyz="0.09 0 0"))
     out = " ".join(cli("diff", PANDA, path).out.split())
-    assert "3 tips 0.002 m 0 rad at every joint position: panda_hand_tcp, panda_leftfinger, panda_rightfinger" in out
+    assert "3 tips 0.002 m 0 rad at every joint position: panda_" in out
     tips = json.loads(cli("diff", PANDA, path, "-F", "json").out)["result"]["consequences"]["tips"]
     assert set(tips) == {"panda_hand_tcp", "panda_leftfinger", "panda_rightfinger"}
 

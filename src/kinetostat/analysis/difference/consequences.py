@@ -178,7 +178,7 @@ class _Answer:
                 found.append(one)
             if away or self._other_joints(tip):
                 kept.append(tip)
-        found.sort(key=lambda one: -max(one.translation.value, one.rotation.value))
+        found.sort(key=lambda one: -round(max(one.translation.value, one.rotation.value), 12))
         self.found = replace(self.found, tips=tuple(found))
         same = of - len(found) - left
         if same:
@@ -228,9 +228,9 @@ class _Answer:
             self.lines.append(f"manipulability: {slight} indices that changed by less than {_SLIGHT:g} of themselves")
         elif not found and compared:
             self.lines.append(f"manipulability at {', '.join(compared[:4])}: unchanged")
-        for why in dict.fromkeys(failed.values()):
-            where = ", ".join([quote(pose) for pose in failed if failed[pose] == why][:4])
-            self.lines.append(f"manipulability at {where}: not compared: {why}")
+        for reason in dict.fromkeys(failed.values()):
+            where = ", ".join([quote(pose) for pose in failed if failed[pose] == reason][:4])
+            self.lines.append(f"manipulability at {where}: not compared: {reason}")
 
     def families(self, tips: Sequence[Tip]) -> None:
         """Find singular families of arms whose axes lie otherwise among each other."""

@@ -22,8 +22,8 @@ __all__ = ["WorstEffort", "worst_efforts"]
 _NOISE = 1e-5  # of a torque: what the search for the worst is good for
 _NOTHING = 1e-9  # of the largest torque: one below it is none
 
-_CLIMBS = 41_000  # times coordinates of both robots: half a minute on one core
-_MOST, _FEWEST = 8, 2  # starts of the climb for each joint
+_CLIMBS = 21_000  # times coordinates of both robots: five seconds on a free core
+_MOST, _FEWEST = 8, 1  # starts of the climb for each joint
 _SMALL = 30  # coordinates; robots with more of them get fewer samples
 _FEWER = 300
 

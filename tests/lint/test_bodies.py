@@ -413,10 +413,7 @@ def test_what_is_no_tree_still_has_bodies(joints, tmp_path):
         list(rule.check(subject))
 
 
-@pytest.mark.parametrize(
-    "tensor",
-    [(0.02, 0.0, 0.0, 0.02, 0.0, 0.02), (0.0,) * 6, (1e-20, 0.0, 0.0, 0.0, 0.0, 0.0), (-1.0, 0, 0, 1.0, 0, 1.0)],
-)
+@pytest.mark.parametrize("tensor", [(0.02, 0.0, 0.0, 0.02, 0.0, 0.02), (1e-20, 0.0, 0.0, 0.0, 0.0, 0.0)])
 def test_twenty_thousand_links_take_no_more_than_their_share(tensor, tmp_path):
     def seconds(count):
         links = "".join(f'<link name="left_{i}">{solid(2.0, tensor)}</link>' for i in range(count))

@@ -67,4 +67,4 @@ def test_the_readme_counts_rules_and_kinds_right():
 
     assert f"asks {len(RULES)} rules" in README
     assert len(KINDS) == 14
-    assert "Fourteen kinds" in README
+    assert "fourteen kinds" in README

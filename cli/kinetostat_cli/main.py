@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import traceback
 from importlib import import_module
@@ -39,6 +40,7 @@ COMMANDS = (
 
 BUG = 70
 INTERRUPTED = 130
+TERMINATED = 143
 # The base of Typer's usage errors, which it keeps in click or in a copy of click of its own.
 _CommandLineError = typer.BadParameter.__mro__[2]
 
@@ -80,6 +82,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a name that the terminal's encoding cannot show is escaped, not fatal
             stream.reconfigure(errors="backslashreplace")
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))  # so that what was started is stopped
     if os.environ.get("_KINETOSTAT_COMPLETE") == "complete_bash":
         sys.exit(completion.answer_bash(lambda: run([])))
     sys.exit(run(sys.argv[1:]))

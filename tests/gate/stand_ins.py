@@ -21,3 +21,8 @@ def behave(task):
     if what == "eat":
         return len(bytearray(1 << 45))
     return FileCheck(what, Verdict.PASS, seconds=float(os.getpid()))
+
+
+def leave_politely(task):
+    """End the process by an exception that is no error."""
+    raise SystemExit(0)

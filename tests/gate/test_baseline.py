@@ -84,3 +84,10 @@ def test_what_is_no_baseline(tmp_path, text):
     (tmp_path / "known.json").write_text(text)
     with pytest.raises(ks.UsageError, match="not a baseline"):
         read_baseline(tmp_path / "known.json")
+
+
+def test_that_a_robot_cannot_be_read_is_never_known(tmp_path):
+    broken = replace(checked(finding(1, "not well-formed")), readable=False)
+    old = known(tmp_path, broken)
+    assert len(without_known(broken, old, tmp_path).findings) == 1
+    assert len(without_known(broken, known(tmp_path, checked(finding(1, "not well-formed"))), tmp_path).findings) == 1

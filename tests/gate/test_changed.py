@@ -75,7 +75,38 @@ def test_from_another_folder(repository, monkeypatch, tmp_path_factory):
     assert touched(names, "HEAD") == (str(repository / "arm.urdf"),)
 
 
-@pytest.mark.parametrize("revision", ["", "--output=x", "no-such-revision"])
+def test_what_git_does_not_track_counts(repository):
+    (repository / ".gitignore").write_text("made.urdf\n")
+    (repository / "made.urdf").write_text("<robot/>")
+    assert touched(("made.urdf", "arm.urdf"), "HEAD") == ("made.urdf",)
+
+
+def test_a_link_that_leads_elsewhere_now_counts(repository):
+    (repository / "link.urdf").symlink_to("arm.urdf")
+    git(repository, "add", "-A")
+    git(repository, "commit", "-qm", "link")
+    assert touched(("link.urdf",), "HEAD") == ()
+    (repository / "link.urdf").unlink()
+    (repository / "link.urdf").symlink_to("leg.urdf")
+    assert touched(("link.urdf", "arm.urdf"), "HEAD") == ("link.urdf",)
+
+
+def test_the_srdf_that_settings_name_counts(repository):
+    (repository / "other.srdf").write_text("<robot/>")
+    assert touched(ALL, "HEAD", srdfs={"arm.urdf": repository / "other.srdf"}) == ("arm.urdf",)
+
+
+def test_robots_of_two_repositories(repository, tmp_path_factory):
+    other = tmp_path_factory.mktemp("other")
+    git(other, "init", "-q")
+    (other / "arm.urdf").write_text("<robot/>")
+    git(other, "add", "-A")
+    git(other, "commit", "-qm", "first")
+    (other / "arm.urdf").write_text("<robot />")
+    assert touched(("arm.urdf", str(other / "arm.urdf")), "HEAD") == (str(other / "arm.urdf"),)
+
+
+@pytest.mark.parametrize("revision", ["", "--output=x", "no-such-revision", "HEAD..HEAD"])
 def test_a_revision_that_is_none(repository, revision):
     with pytest.raises((ks.UsageError, ks.SourceError)):
         touched(ALL, revision)

@@ -1,8 +1,14 @@
 """A robot that crashes, hangs or takes all memory is told as crashed; the others are checked all the same."""
 
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import pytest
 
-from gate.stand_ins import behave
+from gate.stand_ins import behave, leave_politely
 from kinetostat.gate.checking import Task
 from kinetostat.gate.pool import check_all
 from kinetostat.gate.result import CheckReport, Verdict
@@ -45,3 +51,62 @@ def test_a_crash_is_no_pass(results):
 def test_a_single_robot_is_isolated_too():
     (found,) = check_all([Task("die")], jobs=4, timeout=5, check=behave)
     assert found.verdict is Verdict.CRASHED
+
+
+def test_leaving_by_exit_is_a_crash_and_ends_nobody_else():
+    found = check_all([Task("a"), Task("b")], jobs=1, timeout=5, check=leave_politely)
+    assert [file.verdict for file in found] == [Verdict.CRASHED, Verdict.CRASHED]
+    assert "SystemExit" in found[0].reason
+
+
+def test_what_the_processes_load_loads():
+    # A module that is missing there would be passed over in silence.
+    subprocess.run([sys.executable, "-c", "import kinetostat.gate.preloaded"], check=True, capture_output=True)
+
+
+SCRIPT = "import kinetostat as ks; print([f.verdict.value for f in ks.check(['textbook:planar_2r'], jobs=1).files])"
+
+
+def test_a_script_needs_no_guard_and_no_file(tmp_path):
+    (tmp_path / "script.py").write_text(SCRIPT)
+    for words, given in (([str(tmp_path / "script.py")], ""), (["-"], SCRIPT)):
+        run = subprocess.run([sys.executable, *words], input=given, capture_output=True, text=True, check=True)
+        assert run.stdout == "['pass']\n"
+        assert run.stderr == ""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes outlive their parent elsewhere")
+def test_a_hanging_robot_ends_with_whoever_asked():
+    program = (
+        "from gate.stand_ins import behave; from kinetostat.gate.checking import Task;"
+        "from kinetostat.gate.pool import check_all; check_all([Task('hang')], jobs=1, timeout=600, check=behave)"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    asking = subprocess.Popen([sys.executable, "-c", program], env=environment)
+    time.sleep(4)
+    children = descendants(asking.pid)
+    assert children
+    asking.kill()
+    asking.wait()
+    for _ in range(50):
+        if not any(map(runs, children)):
+            break
+        time.sleep(0.1)
+    assert [pid for pid in children if runs(pid)] == []
+
+
+def runs(pid):
+    """Return whether a process runs; one that has ended and that nobody has asked about does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def descendants(pid):
+    """Return the processes that a process has started, and those that they have."""
+    found = []
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        for child in (task / "children").read_text().split():
+            found += [int(child), *descendants(int(child))]
+    return found

@@ -55,3 +55,21 @@ def test_nothing_to_check_is_an_error_and_no_pass(folder, missing):
 def test_all_excluded_is_an_error(folder):
     with pytest.raises(ks.SourceError, match="no robot to check"):
         robot_files(["."], ["*"])
+
+
+def test_a_glob_follows_no_links_in_circles(folder):
+    (folder / "a" / "loop").symlink_to(".")
+    (folder / "a" / "round").symlink_to(".")
+    assert robot_files(["a/**/*.urdf"]) == ("a/one.urdf",)
+
+
+def test_upper_case_counts_and_a_file_named_as_a_scheme_is_a_file(folder):
+    (folder / "b" / "THREE.URDF").write_text("<robot/>")
+    (folder / "example:x").write_text("<robot/>")
+    assert robot_files(["b", "example:x"]) == ("b/THREE.URDF", "b/two.urdf", "./example:x")
+
+
+def test_excluded_is_relative_to_the_settings_wherever_one_is(folder, monkeypatch):
+    monkeypatch.chdir(folder / "b")
+    with pytest.raises(ks.SourceError):
+        robot_files(["."], ["b/*"], folder)

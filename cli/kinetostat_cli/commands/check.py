@@ -98,7 +98,9 @@ def check(
     xacro_arg: Annotated[
         list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of xacro files. May be repeated.")
     ] = None,
-    max_bytes: Annotated[int, typer.Option(min=1, metavar="N", help="Refuse larger files.")] = 64 * 1024 * 1024,
+    max_bytes: Annotated[int, typer.Option(min=1, max=2**40, metavar="N", help="Refuse larger files.")] = 64
+    * 1024
+    * 1024,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also show infos and what is met.")] = False,
     debug: Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")] = False,  # noqa: ARG001 (main reads it)
 ) -> None:
@@ -160,11 +162,18 @@ def _settings(given: Path | None, paths: list[str], *, wanted: bool) -> tuple[Se
 
     path = given
     if path is None and wanted:
-        starts = [Path.cwd(), *(Path(name) for name in paths[:1] if os.path.lexists(name))]
+        starts = [_here(), *(Path(name) for name in paths[:1] if os.path.lexists(name))]
         path = next(filter(None, map(find_settings, starts)), None)
     if path is None:
         return None, Path()
     return read_settings(path), Path(os.path.relpath(path.parent))
+
+
+def _here() -> Path:
+    try:
+        return Path.cwd()
+    except FileNotFoundError:
+        raise UsageError("the current folder is gone", remedy="change to one that is there") from None
 
 
 def _codes(words: list[str] | None) -> list[str] | None:
@@ -213,7 +222,7 @@ def _rendered(report: CheckReport, form: Form, *, verbose: bool = False, colour:
     if form is not Form.TEXT:
         from kinetostat.report.check import rendered
 
-        return rendered(report, form.value, base=Path.cwd())
+        return rendered(report, form.value, base=_here())
     from kinetostat.report.check.text import render
 
     on_terminal = colour and sys.stdout is not None and sys.stdout.isatty() and "NO_COLOR" not in os.environ

@@ -28,14 +28,16 @@ Known = dict[str, Counter[str]]
 def baseline_text(files: Sequence[FileCheck], folder: Path, known: Known | None = None) -> str:
     """Return the text of a baseline that knows all findings of these files; paths are relative to its folder.
 
+    That a robot cannot be read is never known: it may be another fault tomorrow.
+
     Args:
         files: what was checked, without a baseline.
         folder: that of the baseline.
         known: what it knew before, which stays for files that were not checked.
     """
-    found = {_path(file.path, folder): Counter(map(_mark, file.findings)) for file in files}
+    found = {_path(file.path, folder): Counter(map(_mark, file.findings)) for file in files if file.readable}
     merged = {path: dict(sorted(marks.items())) for path, marks in sorted({**(known or {}), **found}.items()) if marks}
-    return json.dumps({"schema": SCHEMA, "findings": merged}, indent=1, ensure_ascii=False) + "\n"
+    return json.dumps({"schema": SCHEMA, "findings": merged}, indent=1) + "\n"
 
 
 def read_baseline(path: Path) -> Known:
@@ -51,13 +53,15 @@ def read_baseline(path: Path) -> Known:
         return {
             file: Counter({mark: int(n) for mark, n in marks.items()}) for file, marks in content["findings"].items()
         }
-    except (AssertionError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (AssertionError, ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         remedy = "write it anew with --write-baseline"
         raise UsageError("this is not a baseline of kinetostat", file=str(path), remedy=remedy) from None
 
 
 def without_known(file: FileCheck, known: Known, folder: Path) -> FileCheck:
     """Return a file's result without the findings that a baseline in that folder knows; they are counted."""
+    if not file.readable:
+        return file
     left = Counter(known.get(_path(file.path, folder), {}))
     new = list[Finding]()
     for finding in file.findings:
@@ -77,4 +81,4 @@ def _mark(finding: Finding) -> str:
 def _path(name: str, folder: Path) -> str:
     if name.startswith(("example:", "textbook:")):
         return name
-    return Path(os.path.relpath(Path(name).resolve(), folder.resolve())).as_posix()
+    return Path(os.path.relpath(os.path.realpath(name), os.path.realpath(folder))).as_posix()

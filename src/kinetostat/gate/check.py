@@ -9,12 +9,12 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kinetostat.errors import SourceError
+from kinetostat.errors import SourceError, UsageError, quote
 from kinetostat.gate.baseline import read_baseline, without_known
 from kinetostat.gate.changed import touched
 from kinetostat.gate.checking import Task, check_robot, judged
 from kinetostat.gate.result import CheckReport, FileCheck
-from kinetostat.gate.targets import robot_files
+from kinetostat.gate.targets import from_folder, robot_files
 from kinetostat.lint.finding import Severity
 from kinetostat.urdf.files import MAX_BYTES
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["check", "tasks_of", "without_baseline"]
 
-TIMEOUT = 120.0
+MOST_SAMPLES = 10_000
 
 
 def check(
@@ -68,12 +68,13 @@ def check(
         done: told each result, and how many there will be.
 
     Raises:
-        UsageError: a rule that does not exist, a baseline or revision that cannot be.
+        UsageError: a rule that does not exist; a number, a baseline or a revision that cannot be.
         SourceError: something named is not there; nothing is named.
     """
     from kinetostat.policy.settings import Settings
 
     settings, folder = settings or Settings(), Path(folder)
+    _validate(paths, fail_on, samples, seed, jobs, timeout)
     # What the command line says goes before what the settings say.
     chosen = replace(
         Task(""),
@@ -90,8 +91,10 @@ def check(
     tasks = tasks_of([str(path) for path in paths], settings, chosen)
     if changed_since is not None:
         named = {getattr(one, "file", "") for task in tasks for one in task.expectations} - {""}
-        everything = [*folder.glob("*.toml"), *(folder / name for name in named)]
-        kept = set(touched([task.name for task in tasks], changed_since, everything))
+        known_file = _baseline(baseline, settings, folder)
+        everything = [*folder.glob("*.toml"), *(folder / name for name in named), *filter(None, [known_file])]
+        srdfs = {task.name: task.srdf for task in tasks if task.srdf is not None}
+        kept = set(touched([task.name for task in tasks], changed_since, everything, srdfs))
         tasks = tuple(task for task in tasks if task.name in kept)
     known_file = _baseline(baseline, settings, folder)
     known = read_baseline(known_file) if known_file is not None else {}
@@ -114,6 +117,33 @@ def check(
     return CheckReport(tuple(map(finished, results)), mildest)
 
 
+def _validate(
+    paths: object,
+    fail_on: str | None,
+    samples: int | None,
+    seed: int | None,
+    jobs: int | None,
+    timeout: float | None,
+) -> None:
+    """Refuse arguments that cannot be.
+
+    Raises:
+        UsageError: one is.
+    """
+    if isinstance(paths, (str, Path)):
+        raise UsageError("paths is a list of paths", remedy='check(["arm.urdf"])')
+    if fail_on is not None and fail_on not in list(Severity):
+        raise UsageError(f"fail_on is one of {', '.join(Severity)}, not {quote(str(fail_on))}")
+    if samples is not None and not 0 <= samples <= MOST_SAMPLES:
+        raise UsageError(f"between 0 and {MOST_SAMPLES:,} samples, not {samples}")
+    if seed is not None and seed < 0:
+        raise UsageError(f"a seed is not negative, as {seed} is")
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"at least one process, not {jobs}")
+    if timeout is not None and not 0 < timeout < float("inf"):
+        raise UsageError(f"a timeout is a positive number of seconds, not {timeout:g}")
+
+
 def tasks_of(paths: Sequence[str], settings: Settings, chosen: Task) -> tuple[Task, ...]:
     """Return what is to be checked of each robot: what the settings say of all, of its path, and of it.
 
@@ -127,7 +157,11 @@ def tasks_of(paths: Sequence[str], settings: Settings, chosen: Task) -> tuple[Ta
     for ignored in settings.check.per_path_ignores.values():
         rules((), ignored)
     listed = _listed(settings, chosen.folder)
-    names = robot_files(paths, settings.check.exclude) if paths else _everything(listed, settings, chosen.folder)
+    names = (
+        robot_files(paths, settings.check.exclude, chosen.folder)
+        if paths
+        else _everything(listed, settings, chosen.folder)
+    )
     entries: dict[str, list[RobotSettings]] = {}
     for name, found in listed.items():
         entries.setdefault(_key(name), []).extend(found)
@@ -137,7 +171,7 @@ def tasks_of(paths: Sequence[str], settings: Settings, chosen: Task) -> tuple[Ta
 def _everything(listed: Mapping[str, object], settings: Settings, folder: Path) -> tuple[str, ...]:
     """Return all robots in the settings' folder, and those that the settings name: a new one is not overlooked."""
     try:
-        found = robot_files([str(folder)], settings.check.exclude)
+        found = robot_files([str(folder)], settings.check.exclude, folder)
     except SourceError:
         if not listed:
             raise
@@ -184,7 +218,7 @@ def _task(name: str, settings: Settings, entries: Sequence[RobotSettings], chose
     ignored = [
         code
         for pattern, codes in settings.check.per_path_ignores.items()
-        if fnmatchcase(_from(name, folder), pattern)
+        if fnmatchcase(from_folder(name, folder), pattern)
         for code in codes
     ]
     srdf = next((folder / entry.srdf for entry in entries if entry.srdf), None)
@@ -197,13 +231,6 @@ def _task(name: str, settings: Settings, entries: Sequence[RobotSettings], chose
         package_dirs=(*chosen.package_dirs, *(folder / d for entry in entries for d in entry.package_dirs)),
         xacro_arguments={k: v for entry in entries for k, v in entry.xacro_args.items()} | dict(chosen.xacro_arguments),
     )
-
-
-def _from(name: str, folder: Path) -> str:
-    """Return a path relative to the settings' folder, with slashes: what globs of the settings are compared with."""
-    if name.startswith(("example:", "textbook:")):
-        return name
-    return Path(os.path.relpath(name, folder)).as_posix()
 
 
 def _baseline(given: str | Path | None, settings: Settings, folder: Path) -> Path | None:

@@ -78,6 +78,7 @@ def check_robot(task: Task) -> FileCheck:
         subject.expanded,
         _shown_lines(subject, linted.findings),
         time.perf_counter() - start,
+        subject.robot is not None,
     )
 
 

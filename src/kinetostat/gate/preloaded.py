@@ -1,16 +1,34 @@
-"""What the process loads that checking processes are forked from; it is imported there, and nowhere else."""
+"""What the process loads and does that checking processes are forked from; it is imported there, and nowhere else."""
 
 import os
+import signal
+import sys
+
+signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's, who stops the others
+sys.excepthook = lambda *_: None  # a process that cannot start, such as one started while the parent stops, is told there
 
 # Many processes with small matrices: threads of the linear algebra would only wait for each other.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import kinetostat.engines.pinocchio
-import kinetostat.engines.screw
-import kinetostat.engines.third
-import kinetostat.gate.checking
-import kinetostat.lint.linting
-import kinetostat.policy.judging
+import kinetostat.engines.pinocchio  # noqa: E402
+import kinetostat.engines.screw  # noqa: E402
+import kinetostat.engines.third  # noqa: E402
+import kinetostat.gate.checking  # noqa: E402
+import kinetostat.lint.linting  # noqa: E402
+import kinetostat.policy.judging  # noqa: E402
 
 kinetostat.engines.third.warm_up()
+
+# Whoever asked may be killed. Then this process ends, and with it those that it has forked (see gate.pool); it would
+# not otherwise, for they hold the pipe that tells it.
+_ASKING = os.getppid()
+
+
+def _end_with_the_asking(*_: object) -> None:
+    if os.getppid() != _ASKING:
+        os._exit(1)
+
+
+signal.signal(signal.SIGALRM, _end_with_the_asking)
+signal.setitimer(signal.ITIMER_REAL, 1, 1)

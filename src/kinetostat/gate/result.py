@@ -37,6 +37,7 @@ class FileCheck:
         expanded: whether lines are those of an expanded xacro file, not of the file itself.
         lines: the text of the lines that findings point at, by file (empty for the robot's own) and line.
         seconds: how long it took.
+        readable: whether the robot could be read.
     """
 
     path: str
@@ -51,6 +52,7 @@ class FileCheck:
     expanded: bool = False
     lines: dict[tuple[str, int], str] = field(default_factory=dict)
     seconds: float = 0.0
+    readable: bool = True
 
     def count(self, severity: Severity) -> int:
         """Return how many findings are of a severity."""

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, TextIO
 
 import typer
 
@@ -37,13 +37,22 @@ DISAGREE = 4
 
 
 def say(kind: str, message: str) -> None:
-    """Write one line to standard error: `kinetostat: warning: ...`; the kind is coloured on a terminal."""
+    """Write one line to standard error: `kinetostat: warning: ...`; the kind is coloured on a terminal.
+
+    Nothing happens where standard error is closed or full: what is said there is no part of the result.
+    """
     from kinetostat.errors import printable
 
+    if sys.stderr is None:
+        return
     colour = {"error": typer.colors.RED, "warning": typer.colors.YELLOW}.get(kind)
     plain = not sys.stderr.isatty() or "NO_COLOR" in os.environ
     shown = kind if plain or colour is None else typer.style(kind, fg=colour, bold=True)
-    print(f"kinetostat: {shown}: {printable(message)}", file=sys.stderr)
+    said = printable(message).replace("##[", r"##\x5b")  # GitHub's runner would read a command
+    try:
+        print(f"kinetostat: {shown}: {said}", file=sys.stderr, flush=True)
+    except (OSError, ValueError):  # ValueError: closed by the program that we run in
+        _forget(sys.stderr)
 
 
 def warn(messages: Iterable[str]) -> None:
@@ -140,7 +149,7 @@ def refuse(wrong: bool, options: Mapping[str, object], why: str, remedy: str) ->
 @contextlib.contextmanager
 def progress_bar() -> Iterator[Callable[[str, float], None] | None]:
     """Show on a terminal what is being done and how far it is; yield what tells it, None without a terminal."""
-    if not sys.stderr.isatty():
+    if sys.stderr is None or not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console
@@ -246,16 +255,17 @@ def _write_out(text: str) -> bool:
         sys.stdout.write(text)
         sys.stdout.flush()
     except BrokenPipeError:
-        _forget_output()
+        _forget(sys.stdout)
         return False
     except OSError as error:
         from kinetostat.errors import UsageError
 
-        _forget_output()
+        _forget(sys.stdout)
         raise UsageError(f"cannot write to standard output: {error.strerror}", remedy="is the disk full?") from None
     return True
 
 
-def _forget_output() -> None:
-    """Send what is left of standard output nowhere, so that Python's last flush does not fail again."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def _forget(stream: TextIO) -> None:
+    """Send what is left of a standard stream nowhere, so that Python's last flush does not fail again."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -10,6 +10,7 @@ A test asks for a robot by mark, or is run for every robot that is collected:
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,10 +19,12 @@ import pytest
 if TYPE_CHECKING:
     from kinetostat import Model
     from kinetostat.gate.result import CheckReport
+    from kinetostat.policy.settings import Settings
 
 __all__ = ["pytest_addoption", "pytest_collect_file", "pytest_configure", "robot"]
 
-_SUFFIXES = (".urdf", ".urdf.xacro")
+_SUFFIXES = (".urdf", ".urdf.xacro")  # in any case
+_EXCLUDED = pytest.StashKey[dict[Path, tuple[str, ...]]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -36,8 +39,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Return a collector for a robot file."""
-    if not parent.config.getoption("--kinetostat") or not file_path.name.endswith(_SUFFIXES):
+    """Return a collector for a robot file; none for one that the settings exclude, unless it is named."""
+    if not parent.config.getoption("--kinetostat") or not file_path.name.lower().endswith(_SUFFIXES):
+        return None
+    if not parent.session.isinitpath(file_path) and _is_excluded(file_path, parent.config):
         return None
     return RobotFile.from_parent(parent, path=file_path)
 
@@ -70,9 +75,13 @@ class RobotItem(pytest.Item):
             raise CheckFailedError(rendered(report, "text"))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **kwargs: Any) -> Any:
-        """Return the report instead of a traceback."""
+        """Return the report, or the line that tells what cannot be asked like that, instead of a traceback."""
+        from kinetostat import KinetostatError
+
         if isinstance(excinfo.value, CheckFailedError):
             return str(excinfo.value)
+        if isinstance(excinfo.value, KinetostatError):
+            return f"kinetostat: error: {excinfo.value}"
         return super().repr_failure(excinfo, *args, **kwargs)
 
     def reportinfo(self) -> tuple[Path, None, str]:
@@ -80,15 +89,40 @@ class RobotItem(pytest.Item):
         return self.path, None, f"kinetostat check {self.path.name}"
 
 
+def _is_excluded(path: Path, config: pytest.Config) -> bool:
+    """Return whether the settings exclude a file, as `kinetostat check` does where they are."""
+    from kinetostat import KinetostatError
+    from kinetostat.gate.targets import from_folder
+    from kinetostat.policy.settings import find_settings
+
+    try:
+        file = find_settings(path.parent)
+        if file is None:
+            return False
+        known = config.stash.setdefault(_EXCLUDED, {})
+        if file not in known:
+            known[file] = tuple(_settings(file).check.exclude)
+    except KinetostatError:
+        return False  # the check of the file tells what is wrong with the settings
+    name = from_folder(str(path), file.parent)
+    return any(fnmatchcase(name, pattern) for pattern in known[file])
+
+
+def _settings(file: Path) -> Settings:
+    from kinetostat.policy.settings import read_settings
+
+    return read_settings(file)
+
+
 def _checked(path: Path, root: Path) -> CheckReport:
     import kinetostat
-    from kinetostat.policy.settings import find_settings, read_settings
+    from kinetostat.policy.settings import find_settings
 
     settings = find_settings(path.parent)
     shown = path.relative_to(root) if path.is_relative_to(root) and Path.cwd() == root else path
     return kinetostat.check(
         [shown],
-        settings=read_settings(settings) if settings else None,
+        settings=_settings(settings) if settings else None,
         folder=settings.parent if settings else path.parent,
         jobs=1,
     )

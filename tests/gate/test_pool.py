@@ -75,6 +75,16 @@ def test_a_script_needs_no_guard_and_no_file(tmp_path):
         assert run.stderr == ""
 
 
+def test_nothing_is_run_that_lies_in_the_folder_of_the_robots(tmp_path):
+    for name in ("multiprocessing", "numpy", "signal", "kinetostat", "yourdfpy", "pinocchio"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'run')!r}, 'w')\n")
+    (tmp_path / "arm.urdf").write_text('<robot name="r"><link name="a"/></robot>')
+    command = [str(Path(sys.executable).with_name("kinetostat")), "check", "arm.urdf"]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert "1 file: 1 passed" in run.stdout, run.stderr
+    assert not (tmp_path / "run").exists()
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="processes outlive their parent elsewhere")
 def test_a_hanging_robot_ends_with_whoever_asked():
     program = (

@@ -107,13 +107,46 @@ def test_what_a_workflow_gives_are_words_never_a_script(runner):
     (runner.workspace / "bad.urdf").write_text(BAD, encoding="utf-8")
     name = "$(touch planted) `touch planted` ; touch planted.urdf"
     (runner.workspace / name).write_text(GOOD, encoding="utf-8")
-    said = runner.step(
-        1, paths=f"good.urdf\n\n  {name}\r\n".replace("\r", ""), args="--samples=2\n--ignore=N", summary="false"
-    )
+    said = runner.step(1, paths=f"good.urdf\n\n   \n{name}\n", args="--samples=2\n\n  --ignore=N\n", summary="false")
     assert "2 files: 2 passed" in said
     assert not list(runner.workspace.glob("planted*"))
     assert not (runner.temp / "planted").exists()
     assert runner.summary.read_text(encoding="utf-8") == ""
+
+
+def test_blanks_are_part_of_a_path(runner):
+    (runner.workspace / " lead blank.urdf").write_text(GOOD, encoding="utf-8")
+    assert "1 file: 1 passed" in runner.step(1, paths=" lead blank.urdf\n", summary="false")
+
+
+def test_a_gate_writes_no_baseline(runner):
+    said = runner.step(1, code=2, args="--samples=2\n--write-baseline=b.json", sarif_file="check.sarif")
+    assert said.startswith("::error ")
+    assert "--write-baseline" in said
+    assert runner.outputs == {"exit-code": "2"}
+    assert not (runner.workspace / "b.json").exists()
+
+
+def test_where_nothing_is_checked_there_is_no_report_and_none_of_an_earlier_use(runner):
+    (runner.temp / "kinetostat.md").write_text("of an earlier use", encoding="utf-8")
+    runner.step(1, args="--help", sarif_file="check.sarif")
+    assert runner.outputs == {"exit-code": "0"}
+    assert runner.summary.read_text(encoding="utf-8") == ""
+
+
+def test_a_file_name_of_two_lines_plants_no_output(runner):
+    runner.step(1, sarif_file="check.sarif\nexit-code=7\nplanted=1")
+    assert runner.outputs["sarif-file"] == "check.sarif"
+    assert runner.outputs["exit-code"] == "0"
+    assert "planted" not in runner.outputs
+
+
+def test_no_module_of_the_repository_is_run(runner):
+    for name in ("multiprocessing", "json", "kinetostat"):
+        (runner.workspace / f"{name}.py").write_text("open('planted', 'w').close()", encoding="utf-8")
+    assert all(step["env"]["PYTHONSAFEPATH"] == "1" for step in STEPS)
+    assert "1 file: 1 passed" in runner.step(1, summary="false")
+    assert not (runner.workspace / "planted").exists()
 
 
 def test_a_path_that_looks_like_an_option_is_a_path(runner):

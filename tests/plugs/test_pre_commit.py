@@ -76,6 +76,8 @@ def test_where_no_robot_changes_the_one_is_skipped_and_the_other_looks_all_the_s
         ("a.urdf", True),
         ("robots/a.urdf", True),
         ("robots/a.urdf.xacro", True),
+        ("robots/A.URDF", True),
+        ("robots/A.Urdf.Xacro", True),
         ("robots/parts/arm.xacro", False),
         ("config/a.srdf", False),
         ("a.urdf.bak", False),

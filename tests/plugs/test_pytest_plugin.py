@@ -57,6 +57,34 @@ def test_settings_beside_them_count(repository):
     assert run(repository, "--kinetostat").returncode == 0
 
 
+def test_settings_that_cannot_be_read_are_a_line_and_no_traceback(repository):
+    (repository / "kinetostat.toml").write_text('[check]\nsamples = "many"\n')
+    found = run(repository, "--kinetostat")
+    assert found.returncode == 1
+    assert "2 failed" in found.stdout
+    assert "kinetostat: error: " in found.stdout
+    assert "kinetostat.toml:2" in found.stdout
+    assert "Traceback" not in found.stdout
+    assert "pytest_plugin.py" not in found.stdout
+    assert "pytest_plugin.py" not in found.stderr
+
+
+def test_what_the_settings_exclude_is_no_test_unless_it_is_named(repository):
+    (repository / "old").mkdir()
+    (repository / "bad.urdf").rename(repository / "old" / "bad.urdf")
+    (repository / "kinetostat.toml").write_text('[check]\nexclude = ["old/*"]\n')
+    assert run(repository, "--kinetostat").returncode == 0
+    assert run(repository / "old", "--kinetostat").returncode == 5  # nothing collected
+    named = run(repository, "--kinetostat", "old/bad.urdf")
+    assert named.returncode == 1
+    assert "1 failed" in named.stdout
+
+
+def test_a_suffix_is_one_in_any_case(repository):
+    (repository / "bad.urdf").rename(repository / "BAD.URDF")
+    assert "1 failed, 1 passed" in run(repository, "--kinetostat").stdout
+
+
 def test_the_fixture_loads_the_robot_that_the_mark_names(repository):
     (repository / "test_own.py").write_text(TEST)
     found = run(repository, "test_own.py", "--strict-markers")

@@ -1,10 +1,14 @@
 """The report for people."""
 
+import re
+
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from kinetostat.gate.result import CheckReport, FileCheck, Verdict
 from kinetostat.lint.finding import Severity
+from kinetostat.policy.outcome import Outcome
 from kinetostat.report.check.text import render
 from report.check_reports import AGREED, BAD, CRASH, EMPTY, GOOD, REPORT, XACRO, finding, hostile_report, reports
 
@@ -116,6 +120,60 @@ def test_many_findings_take_little_time():
     start = time.perf_counter()
     assert shown(file).count("^^^^^^^^^") == 5000
     assert time.perf_counter() - start < 5
+
+
+def commands(text):
+    """Return the lines in which a runner of GitHub Actions reads a command: ::new:: first, ##[old] anywhere."""
+    return [line for line in text.split("\n") if line.lstrip().startswith("::") or "##[" in line]
+
+
+PLANTED = "::stop-commands::t ##[add-mask]x"
+
+
+@pytest.mark.parametrize("shift", range(82))
+def test_a_folded_line_is_no_command_of_github_wherever_the_fold_is(shift):
+    for blank in ("", " "):  # between words, and within a long one
+        message = "a" * shift + blank + PLANTED
+        file = FileCheck("a.urdf", Verdict.CRASHED, (finding(message=message, hint=message),), reason=message)
+        text = shown(file)
+        assert commands(text) == []
+        assert max(map(len, text.split("\n"))) <= 80
+
+
+def test_what_stands_first_in_a_line_is_no_command_of_github():
+    path = "  ::error::x.urdf"
+    found = finding(file=path), finding(Severity.WARNING, file="##[group]a.srdf")
+    outcome = Outcome("holds", PLANTED, False, PLANTED, PLANTED, {PLANTED: 1.0}, f"{PLANTED}.toml:3", remedy=PLANTED)
+    text = shown(FileCheck(path, Verdict.FAIL, found, outcomes=(outcome,)), verbose=True)
+    assert commands(text) == []
+    assert text.startswith("./  ::error::x.urdf: FAILED")  # a path to the same file, to be copied
+
+
+def test_a_source_line_is_no_command_of_github_and_its_caret_still_points():
+    line = '<limit effort="##[add-mask]x" lower="2"/>'
+    source, caret = shown(FileCheck("a.urdf", Verdict.FAIL, (finding(),), lines={("", 3): line})).split("\n")[2:4]
+    assert commands(source) == []
+    assert r"##\x5badd-mask]x" in source
+    assert source[caret.index("^") : len(caret)] == 'lower="2"'
+
+
+def test_text_that_is_no_command_stays_as_it_is():
+    assert "a::b [c] #[d] ## [e]" in shown(
+        FileCheck("a.urdf", Verdict.FAIL, (finding(message="a::b [c] #[d] ## [e]"),))
+    )
+
+
+pieces = st.lists(st.sampled_from(["::", "##[", ":", "#", "[", " ", "a", "\u0301", "\ufe0f"]), max_size=60).map("".join)
+
+
+@settings(max_examples=300, deadline=None)
+@given(pieces, pieces, pieces)
+def test_no_text_of_a_robot_becomes_a_command_of_github(path, message, line):
+    found = finding(message=message, element=line, hint=message), finding(file=path or "a", message=message)
+    file = FileCheck(path or "a", Verdict.FAIL, found, skipped={"K101": message}, lines={("", 3): line})
+    text = shown(file, FileCheck(path or "a", Verdict.CRASHED, reason=message), verbose=True)
+    assert not re.search(r"##\[", text)
+    assert not re.search(r"(?m)^[^!-~\n]*::", text)
 
 
 @settings(max_examples=100, deadline=None)

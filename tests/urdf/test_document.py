@@ -258,3 +258,39 @@ def test_no_file_and_no_address_is_opened_while_parsing(tmp_path):
         ):
             with pytest.raises(XmlError, match="DOCTYPE"):
                 parse(text.encode(), "f")
+
+
+# --- places and what is written -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_lines_are_counted_whatever_ends_them(end):
+    document = parse(f'{end}{end}<?xml version="1.0"?>{end}<robot>{end}<link/></robot>'.encode(), "r.urdf")
+    assert [document.root.line, document.root.children[0].line] == [4, 5]
+    assert document.remarks
+    for wrong in (b"<robot>\xff", b"<robot>\0", b"<robot>&</robot>"):
+        with pytest.raises(XmlError) as caught:
+            parse(f"{end}{end}".encode() + wrong, "r.urdf")
+        assert caught.value.line == 3
+
+
+def test_attributes_broken_by_tabs_or_lines_are_kept_as_written():
+    text = (
+        "<!-- a='1\n' --><r u='1\t2'\n é='\n' plain='a b'><s u = \"3\r\n4\" v='&#9;'/>"
+        "a='\t'<!-- b='\t' --><t/><![CDATA[<u u='\t'/>]]></r>"
+    )
+    document = parse(text.encode(), "r.urdf")
+    assert [(e.tag, key, value) for e, key, value in document.broken if key == "u"] == [
+        ("r", "u", "1\t2"),
+        ("s", "u", "3\r\n4"),
+    ]
+    assert document.root.attributes["u"] == "1 2"
+    assert all(key in element.attributes for element, key, _ in document.broken)
+    assert parse(b"<r u='1 2'>\n</r>", "r.urdf").broken == ()
+
+
+def test_processing_instructions_and_comments_have_places():
+    document = parse(b"<?a?><r>\n <?b c?><!-- d --><s/>\n</r><?e?>", "r.urdf")
+    assert document.instructions == ((2, "b"),)
+    assert [(c.line, c.column, c.text) for c in document.comments] == [(2, 8, " d ")]
+    assert (document.root.last_line, document.root.last_column) == (3, 0)

@@ -42,6 +42,42 @@ def robot(package: Path) -> Packages:
     return Packages(package / "urdf" / "arm.urdf")
 
 
+# --- called by its package.xml ----------------------------------------------------------------------------------
+
+
+def manifest(folder: Path, name: str) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "package.xml").write_text(f"<?xml version='1.0'?>\n<package format='3'><name> {name}\n</name></package>")
+    return folder
+
+
+def test_a_package_is_called_what_its_package_xml_says_and_as_its_folder(package, tmp_path):
+    manifest(package, "ur_description")
+    assert robot(package).find("ur_description") == package
+    assert robot(package).find("arm_description") == package
+    assert robot(package).resolve("package://ur_description/meshes/a.stl") == package / "meshes" / "a.stl"
+    assert robot(package).resolve("package://ur_description/../../secret.stl") is Reason.OUTSIDE
+
+
+def test_a_package_dir_is_called_what_its_package_xml_says_or_holds_such(package, tmp_path):
+    clone = manifest(tmp_path / "clones" / "a-clone", "leg_description")
+    for folder in (clone, clone.parent):
+        assert Packages(package / "urdf" / "arm.urdf", [folder]).find("leg_description") == clone
+    assert robot(package).find("leg_description") is None
+
+
+BOMB = "<!DOCTYPE package [<!ENTITY n 'leg'>]><package><name>&n;</name></package>"
+
+
+@pytest.mark.parametrize(
+    "text", [BOMB, "<package>", "<robot><name>leg</name></robot>", "<package/>", "", "\0", "x" * 10**6]
+)
+def test_a_package_xml_that_says_no_name_is_passed_over(package, text):
+    (package / "package.xml").write_text(text)
+    assert robot(package).find("leg") is None
+    assert robot(package).find("arm_description") == package
+
+
 # --- found -----------------------------------------------------------------------------------------------------
 
 
@@ -217,12 +253,13 @@ def test_standard_input_has_packages_but_no_folder(package):
     assert packages.resolve("package://arm_description/meshes/a.stl") == package / "meshes" / "a.stl"
 
 
-def test_nothing_is_opened(package):
+def test_nothing_but_package_xml_is_opened(package):
+    (package.parent / "package.xml").symlink_to("/etc/passwd")
     (package / "meshes" / "link.stl").symlink_to("/etc/passwd")
     with watch() as opened:
         for uri in (*FOUND, "../meshes/link.stl", "/etc/passwd", "file:///etc/passwd", "../../../../secret.stl"):
             robot(package).resolve(uri)
-    assert opened == set()
+    assert opened == {package / "package.xml"}
 
 
 def test_the_home_of_a_file_is_its_package_or_its_folder(package, tmp_path):

@@ -345,3 +345,11 @@ def test_expansion_is_bytes_of_utf_8(package):
     loaded(package, '<link name="é"/>')
     path = package / "urdf" / "robot.urdf.xacro"
     assert 'name="é"'.encode() in expand(path, Packages(path), {}, 10_000)
+
+
+def test_an_expansion_has_lines_and_keeps_comments_and_texts(package):
+    path = package / "urdf" / "robot.urdf.xacro"
+    path.write_text(f"{HEAD}<!-- one -->{LINK}<gazebo><material>Gazebo/Blue</material></gazebo></robot>")
+    text = expand(path, Packages(path), {}, 10**6).decode()
+    lines = [line.strip() for line in text.splitlines()]
+    assert lines[-6:] == ["<!-- one -->", LINK, "<gazebo>", "<material>Gazebo/Blue</material>", "</gazebo>", "</robot>"]

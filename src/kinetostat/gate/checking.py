@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -14,9 +15,11 @@ from kinetostat.gate.result import FileCheck, Verdict
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.subject import Subject, subject_of
 from kinetostat.policy.outcome import Outcome
+from kinetostat.urdf.document import decoded
 
 __all__ = ["Task", "check_robot", "judged"]
 
+CROSSCHECK = "crosscheck"  # what is skipped where the readers cannot be compared
 _LONGEST_LINE = 20_000  # characters of a line that are kept to be shown
 
 
@@ -93,7 +96,8 @@ def judged(file: FileCheck, fail_on: Severity) -> FileCheck:
     bad = any(finding.severity.rank <= fail_on.rank for finding in file.findings)
     unmet = any(not outcome.met for outcome in file.outcomes)  # not judged is not met
     apart = file.agreement is not None and not file.agreement.engines_agree
-    return replace(file, verdict=Verdict.FAIL if bad or unmet or apart else Verdict.PASS)
+    untold = CROSSCHECK in file.skipped  # readers that could not be compared have not agreed
+    return replace(file, verdict=Verdict.FAIL if bad or unmet or apart or untold else Verdict.PASS)
 
 
 def _agreement(subject: Subject, task: Task) -> tuple[Agreement | None, dict[str, str]]:
@@ -103,7 +107,7 @@ def _agreement(subject: Subject, task: Task) -> tuple[Agreement | None, dict[str
     try:
         return agreement(subject.model, samples=task.samples, seed=task.seed), {}
     except KinetostatError as error:
-        return None, {"crosscheck": error.message}
+        return None, {CROSSCHECK: error.message}
 
 
 def _outcomes(subject: Subject, task: Task) -> tuple[Outcome, ...]:
@@ -122,8 +126,8 @@ def _shown_lines(subject: Subject, findings: Sequence[Finding]) -> dict[tuple[st
     wanted = {(finding.file, finding.line) for finding in findings if finding.line > 0}
     texts = dict[str, list[str]]()
     for file in {file for file, _ in wanted}:
-        data = _bytes_of(subject, file)
-        texts[file] = [line.decode(errors="replace") for line in data.splitlines()]
+        # Not str.splitlines, which also splits at form feeds and the like: lines are those of the parser.
+        texts[file] = re.split(r"\r\n|\r|\n", decoded(_bytes_of(subject, file), file))
     return {
         (file, line): texts[file][line - 1]
         for file, line in sorted(wanted)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 import sys
 import types
@@ -19,6 +20,7 @@ __all__ = ["check_all", "warm_up"]
 
 MEMORY = 8 * 1024**3  # bytes of address space of one process
 _TASKS_A_PROCESS = 50
+_SAFE_PATH = "PYTHONSAFEPATH"
 
 Check = Callable[[Task], FileCheck]
 
@@ -32,10 +34,18 @@ def warm_up() -> None:
     from multiprocessing import forkserver
 
     forkserver.set_forkserver_preload(["kinetostat.gate.preloaded"])
+    # It is started as `python -c`, which would look for modules in the current folder first: that of untrusted robots.
+    before = os.environ.get(_SAFE_PATH)
+    os.environ[_SAFE_PATH] = "1"
     try:
         forkserver.ensure_running()
     except OSError as error:  # a TMPDIR whose name is too long for a socket
         raise UsageError(f"no process can be started: {error}", remedy="set TMPDIR=/tmp") from None
+    finally:
+        if before is None:
+            del os.environ[_SAFE_PATH]
+        else:
+            os.environ[_SAFE_PATH] = before
 
 
 def check_all(

@@ -50,6 +50,7 @@ class Finding:
     several: bool = False
 
     @property
-    def place(self) -> tuple[str, int, str, str]:
-        """What findings are sorted by: file, line, code, message."""
-        return self.file, self.line, self.code, self.message
+    def place(self) -> tuple[str | int, ...]:
+        """What findings are sorted by: file, line, code, message, then all that may differ: the order is total."""
+        rest = (self.column, self.element, self.attribute, self.severity.rank, self.hint, self.several)
+        return self.file, self.line, self.code, self.message, *rest

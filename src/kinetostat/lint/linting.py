@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 from kinetostat.analysis.agreement import Agreement
 from kinetostat.engines.model import Model
-from kinetostat.errors import KinetostatError, RobotError
+from kinetostat.errors import KinetostatError, RobotError, StructureError, XmlError
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.registry import RULES, matches
 from kinetostat.lint.rule import Needs, Rule, RuleSkippedError
 from kinetostat.lint.rules.kinetostatics.readers import ReadersRule
 from kinetostat.lint.rules.xml import UnreadableRobot, UnusedSuppression
 from kinetostat.lint.subject import Subject, subject_of_loaded
-from kinetostat.lint.suppression import Suppression, suppressions
+from kinetostat.lint.suppression import Suppression, suppressions, taken_back
 
 __all__ = ["Linted", "lint", "oddities", "there_is_a_model"]
 
@@ -44,7 +44,8 @@ def lint(subject: Subject, rules: Sequence[Rule], agreement: Agreement | None = 
         rules: what is asked.
         agreement: what the readers say of it, which some rules turn into findings; None if they were not asked.
     """
-    there, why = _reach(subject)
+    there, refused = _reach(subject)
+    why = refused.message if refused is not None else ""
     found, skipped = list[Finding](), dict[str, str]()
     for each in rules:
         if each.needs > there:
@@ -62,7 +63,9 @@ def lint(subject: Subject, rules: Sequence[Rule], agreement: Agreement | None = 
             else:
                 found += [each.of(one, subject) for one in agreement.disagreements if each.takes(one)]
     found += _refusal(subject, found)
-    kept, taken = _sifted(subject, sorted(set(found), key=lambda finding: finding.place), rules)
+    if there is Needs.ROBOT and refused is not None:
+        found.append(UnreadableRobot().of(refused))
+    kept, taken = _sifted(subject, sorted(dict.fromkeys(found), key=lambda finding: finding.place), rules)
     return Linted(tuple(kept), tuple(taken), skipped)
 
 
@@ -78,17 +81,17 @@ def there_is_a_model(subject: Subject) -> bool:
     return _reach(subject)[0] is Needs.MODEL
 
 
-def _reach(subject: Subject) -> tuple[Needs, str]:
+def _reach(subject: Subject) -> tuple[Needs, KinetostatError | None]:
     """Return what can be asked of a file, and why no more."""
     if subject.document is None:
-        return Needs.BYTES, "the file is not XML that can be read"
+        return Needs.BYTES, XmlError("the file is not XML that can be read")
     if subject.robot is None:
-        return Needs.DOCUMENT, "the robot cannot be read"
+        return Needs.DOCUMENT, StructureError("the robot cannot be read")
     try:
         _ = subject.model.engine
     except RobotError as error:
-        return Needs.ROBOT, error.message
-    return Needs.MODEL, ""
+        return Needs.ROBOT, error
+    return Needs.MODEL, None
 
 
 def _refusal(subject: Subject, found: Sequence[Finding]) -> list[Finding]:
@@ -96,29 +99,45 @@ def _refusal(subject: Subject, found: Sequence[Finding]) -> list[Finding]:
     refusal = subject.refusal
     if refusal is None:
         return []
-    told = any(f.severity is Severity.ERROR and f.line == (refusal.line or f.line) and not f.file for f in found)
-    return [] if told else [UnreadableRobot().of(refusal)]
+    file = subject.file_of(refusal)
+    told = any(f.severity is Severity.ERROR and f.line == (refusal.line or f.line) and f.file == file for f in found)
+    return [] if told else [UnreadableRobot().of(refusal, file)]
 
 
 def _sifted(subject: Subject, found: list[Finding], rules: Sequence[Rule]) -> tuple[list[Finding], list[Finding]]:
-    """Return the findings that count, and those that comments take back."""
-    if subject.document is None or not subject.document.comments:
-        return found, []
-    comments = suppressions(subject.document, subject.elements)
-    kept, taken, used = list[Finding](), list[Finding](), set[Suppression]()
-    for finding in found:
-        covering = [c for c in comments if not finding.file and c.covers(finding) and _may(subject, finding)]
-        used.update(covering)
-        (taken if covering else kept).append(finding)
-    for watch in (each for each in rules if isinstance(each, UnusedSuppression)):
-        for comment in comments:
-            # Where only some rules are asked, a comment for others may well be needed.
-            asked = all(each in rules for each in RULES if matches(each, comment.codes))
-            if (comment not in used and asked) or not comment.reason:
-                kept.append(watch.of(comment, used=comment in used))
-    return sorted(kept, key=lambda finding: finding.place), taken
+    """Return the findings that count, and those that comments take back: each file's comments its own findings."""
+    comments, taken, used = list[Suppression](), set[int](), set[Suppression]()
+    for document, file in ((subject.document, ""), (subject.srdf, subject.srdf.file if subject.srdf else "")):
+        mine = suppressions(document, file) if document is not None else ()
+        if mine:
+            asked = [i for i, each in enumerate(found) if each.file == file and _may(subject, each)]
+            back, needed = taken_back(mine, [found[i] for i in asked])
+            comments += mine
+            taken.update(asked[i] for i in back)
+            used |= needed
+    kept = [finding for i, finding in enumerate(found) if i not in taken]
+    kept += _unused(comments, used, rules)
+    kept.sort(key=lambda finding: finding.place)
+    return kept, [found[i] for i in sorted(taken)]
+
+
+def _unused(comments: Sequence[Suppression], used: set[Suppression], rules: Sequence[Rule]) -> list[Finding]:
+    """Return what is to be said of comments that take nothing back, or give no reason."""
+    chosen = set(rules)
+    # Where only some rules are asked, a comment for others may well be needed.
+    unasked = [each for each in RULES if each not in chosen]
+    return [
+        watch.of(comment, used=comment in used)
+        for watch in rules
+        if isinstance(watch, UnusedSuppression)
+        for comment in comments
+        if not comment.reason or (comment not in used and not any(matches(each, comment.codes) for each in unasked))
+    ]
 
 
 def _may(subject: Subject, finding: Finding) -> bool:
-    """Return whether a comment may take a finding back: not that the robot cannot be read."""
-    return subject.refusal is None or finding.severity is not Severity.ERROR
+    """Return whether a comment may take a finding back: not that the robot, or the SRDF, cannot be read."""
+    refused = subject.srdf_refusal if finding.file else subject.refusal
+    if finding.severity is Severity.ERROR and refused is not None:
+        return False
+    return finding.code != UnreadableRobot.code

@@ -62,6 +62,12 @@ class Subject:
         assert self.document is not None
         return self.document.root
 
+    def file_of(self, refusal: KinetostatError) -> str:
+        """Return the file that a refusal is about, if it is another than the robot's: what a xacro file includes."""
+        if self.source is None or self.source.path is None or not refusal.file or refusal.file == self.name:
+            return ""
+        return "" if refusal.file == str(self.source.path) else refusal.file
+
     @cached_property
     def elements(self) -> tuple[Element, ...]:
         """All elements, in file order."""

@@ -8,17 +8,23 @@ from __future__ import annotations
 
 import codecs
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from kinetostat.errors import LimitError, XmlError, cut, quote
 
-__all__ = ["Document", "Element", "parse"]
+__all__ = ["Comment", "Document", "Element", "decoded", "parse"]
 
 MAX_PARTS = 1_000_000  # elements and attributes: some 50 for each of 20,000 links
 
 _DECLARATION = re.compile(r"""\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _SINGLE_BYTE = re.compile(r"((?:us-?)?ascii|latin-?1|iso-?8859-?\d+|windows-?125\d|cp125\d)$", re.IGNORECASE)
+_LINE_END = re.compile(r"\r\n|\r|\n")
+# Each character is looked at once or twice: a hostile file must not make the search quadratic.
+_BROKEN_VALUE = re.compile(rb"""=[ \t\r\n]*("[^"<>\t\r\n]*[\t\r\n][^"<>]*"|'[^'<>\t\r\n]*[\t\r\n][^'<>]*')""")
+_KEY = re.compile(rb"([^\s=<>\"']+)\s*\Z")
+_LONGEST_KEY = 64
 _DEEPEST_LABEL = 4
 _NAMED = ("link", "joint", "drake:joint", "inertial")
 _NOT_ROBOT_FILES = (
@@ -32,7 +38,7 @@ _NOT_ROBOT_FILES = (
 class Element:
     """One XML element: its name, attributes, the line where it starts, the element around it, those inside it.
 
-    `column` (from 0) is where it starts in its line, `last_line` where its end tag is.
+    `column` (from 0) is where it starts in its line, `last_line` and `last_column` where its end tag is.
     """
 
     tag: str
@@ -42,6 +48,7 @@ class Element:
     children: list[Element] = field(default_factory=list, repr=False)
     column: int = 0
     last_line: int = 0
+    last_column: int = 0
 
     def all(self, tag: str) -> list[Element]:
         """Return the child elements of that name, in file order."""
@@ -63,13 +70,34 @@ class Element:
 
 
 @dataclass(frozen=True, slots=True)
+class Comment:
+    """A comment: the line and the column (from 0) where it starts, and its text."""
+
+    line: int
+    column: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Document:
-    """A parsed file: where it came from, its root element, what was odd on the level of bytes, comments by line."""
+    """A parsed file.
+
+    Attributes:
+        file: where it came from.
+        root: its root element.
+        remarks: what was odd on the level of bytes, by line.
+        comments: in file order.
+        instructions: lines and targets of the processing instructions inside the root element.
+        broken: attributes with a tab or a line break between their quotation marks: element, key, value as written.
+            XML says that they count as blanks, and so they are in `attributes`; not every reader of robots does it.
+    """
 
     file: str
     root: Element
     remarks: tuple[tuple[int, str], ...]
-    comments: tuple[tuple[int, str], ...] = ()
+    comments: tuple[Comment, ...] = ()
+    instructions: tuple[tuple[int, str], ...] = ()
+    broken: tuple[tuple[Element, str, str], ...] = ()
 
 
 def parse(data: bytes, file: str) -> Document:
@@ -93,11 +121,23 @@ def parse(data: bytes, file: str) -> Document:
         raise XmlError("the file is empty", file=file, remedy="is this the file that you mean?")
     if stripped[:200].lower().startswith(("<!doctype html", "<html")):
         raise XmlError("the file is an HTML page, not a robot", file=file, remedy="download the raw file")
-    skipped = text[: len(text) - len(stripped)].count("\n")
+    skipped = _line_ends(text[: len(text) - len(stripped)])
     if skipped and stripped.startswith("<?xml"):
         remarks.append((1, "blank lines before the XML declaration: strict parsers refuse the file"))
-    root, comments = _build(stripped, file, skipped)
-    return Document(file, root, tuple(remarks), comments)
+    return _build(stripped, file, skipped, tuple(remarks))
+
+
+def decoded(data: bytes, file: str) -> str:
+    """Return the text of a file as `parse` reads it; what cannot be decoded is marked."""
+    try:
+        return _decode(data, file, [])
+    except XmlError:
+        return data.decode(errors="replace")
+
+
+def _line_ends(text: str) -> int:
+    """Return how many lines end in a text: a carriage return alone ends one, too, as it does for expat."""
+    return len(_LINE_END.findall(text))
 
 
 def _decode(data: bytes, file: str, remarks: list[tuple[int, str]]) -> str:
@@ -119,7 +159,7 @@ def _decode(data: bytes, file: str, remarks: list[tuple[int, str]]) -> str:
     try:
         text = data.decode(encoding)
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
+        line = _line_ends(data[: error.start].decode(encoding, "replace")) + 1
         raise XmlError(
             f"byte 0x{data[error.start]:02x} is not {encoding} text",
             file=file,
@@ -131,18 +171,27 @@ def _decode(data: bytes, file: str, remarks: list[tuple[int, str]]) -> str:
             f"the encoding {quote(encoding)} is unknown", file=file, remedy="save the file as UTF-8"
         ) from None
     if "\0" in text:  # expat would guess UTF-16 from it
-        line = text.count("\n", 0, text.index("\0")) + 1
+        line = _line_ends(text[: text.index("\0")]) + 1
         raise XmlError("the text holds a NUL character", file=file, line=line, remedy="save the file as UTF-8 text")
     return text
 
 
-def _build(text: str, file: str, skipped: int) -> tuple[Element, tuple[tuple[int, str], ...]]:
-    """Run expat over the text and return the root element, and the comments."""
+def _encoded(text: str, file: str) -> bytes:
+    try:
+        return text.encode()
+    except UnicodeEncodeError:
+        raise XmlError("the text has a lone surrogate", file=file, remedy="save the file as UTF-8") from None
+
+
+def _build(text: str, file: str, skipped: int, remarks: tuple[tuple[int, str], ...]) -> Document:
+    """Run expat over the text and return the document."""
     parser = expat.ParserCreate("UTF-8")
     top = Element("", {}, 0)
     open_elements = [top]
-    comments = list[tuple[int, str]]()
+    comments, instructions, starts = list[Comment](), list[tuple[int, str]](), list[tuple[int, Element]]()
     count = 0
+    data = _encoded(text, file)
+    is_broken = _BROKEN_VALUE.search(data) is not None
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal count
@@ -158,12 +207,19 @@ def _build(text: str, file: str, skipped: int) -> tuple[Element, tuple[tuple[int
         element = Element(tag, attributes, line, open_elements[-1], column=column)
         open_elements[-1].children.append(element)
         open_elements.append(element)
+        if is_broken:
+            starts.append((parser.CurrentByteIndex, element))
 
     def end(_tag: str) -> None:
-        open_elements.pop().last_line = parser.CurrentLineNumber + skipped
+        element = open_elements.pop()
+        element.last_line, element.last_column = parser.CurrentLineNumber + skipped, parser.CurrentColumnNumber
 
     def comment(text: str) -> None:
-        comments.append((parser.CurrentLineNumber + skipped, text))
+        comments.append(Comment(parser.CurrentLineNumber + skipped, parser.CurrentColumnNumber, text))
+
+    def instruction(target: str, _content: str) -> None:
+        if len(open_elements) > 1:
+            instructions.append((parser.CurrentLineNumber + skipped, target))
 
     def doctype(*_: object) -> None:
         raise XmlError(
@@ -176,13 +232,30 @@ def _build(text: str, file: str, skipped: int) -> tuple[Element, tuple[tuple[int
     parser.StartElementHandler = start
     parser.EndElementHandler = end
     parser.CommentHandler = comment
+    parser.ProcessingInstructionHandler = instruction
     parser.StartDoctypeDeclHandler = doctype
     try:
-        parser.Parse(text.encode(), True)
+        parser.Parse(data, True)
     except expat.ExpatError as error:
         reason = expat.errors.messages.get(error.code, "syntax error")
         line = error.lineno + skipped
         raise XmlError(f"not well-formed XML: {reason}", file=file, line=line, remedy="correct the XML there") from None
-    except UnicodeEncodeError:
-        raise XmlError("the text has a lone surrogate", file=file, remedy="save the file as UTF-8") from None
-    return top.children[0], tuple(comments)
+    broken = tuple(_broken(data, starts))
+    return Document(file, top.children[0], remarks, tuple(comments), tuple(instructions), broken)
+
+
+def _broken(data: bytes, starts: list[tuple[int, Element]]) -> Iterator[tuple[Element, str, str]]:
+    """Yield the attributes whose values are broken by tabs or line ends, of elements by the bytes where they start."""
+    if not starts:
+        return
+    matches = _BROKEN_VALUE.finditer(data)
+    match = next(matches, None)
+    ends = [start for start, _ in starts[1:]] + [len(data)]
+    for (start, element), following in zip(starts, ends, strict=True):
+        end = data.find(b">", start, following)
+        while match is not None and match.start() < following:
+            before = _KEY.search(data, max(start, match.start() - _LONGEST_KEY), match.start())
+            key = before[1].decode("utf-8", "replace") if before else ""
+            if start < match.start() < end and key in element.attributes:
+                yield element, key, match[1][1:-1].decode("utf-8", "replace")
+            match = next(matches, None)

@@ -1,4 +1,4 @@
-"""Where `package://` and mesh names lead. Nothing is opened: a path is resolved, or refused with a reason.
+"""Where `package://` and mesh names lead. A path is resolved, or refused with a reason; only package.xml is opened.
 
 Robot files are untrusted: a mesh may not lie outside the package of the file that names it (`..`, absolute paths,
 `file://`, symbolic links that lead out). Meshes are never needed for a number.
@@ -6,15 +6,22 @@ Robot files are untrusted: a mesh may not lie outside the package of the file th
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
+
+from kinetostat.errors import KinetostatError
+from kinetostat.urdf.document import parse
+from kinetostat.urdf.files import read_file
 
 __all__ = ["Packages", "Reason", "other_case"]
 
 _MANY = 64  # ancestors to walk up, at most
+_LARGEST_MANIFEST = 256 * 1024  # bytes of a package.xml; common ones have 2,000
+_MANY_FOLDERS = 1000  # folders of a --package-dir that are asked for their package.xml
 _SYSTEM_DEPTH = 3  # /home/someone has three parts: so high up, a folder is a package only if it says so
 
 
@@ -38,10 +45,13 @@ class Packages:
     Searched in order: the folders of `--package-dir` (each may be a package or hold packages), the ancestors of the
     file and the folders in them that hold a package.xml, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH. An ancestor without its
     package.xml counts by its name, unless it is as high up as a home folder: `package://etc` is no package.
+
+    A package is called what its package.xml says: a clone is often named otherwise. The name of the folder counts, too.
     """
 
     file: Path | None
     folders: Sequence[Path] = ()
+    _names: dict[Path, str] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def find(self, package: str) -> Path | None:
         """Return the folder of a package, or None."""
@@ -53,6 +63,8 @@ class Packages:
         """Yield the folders that a package's name stands for, in the order of the search."""
         yield from self._among(self.folders, package)
         for folder in self._ancestors():
+            if self._is_called(folder, package):
+                yield folder
             if folder.name == package and (_is_package(folder) or len(folder.parts) > _SYSTEM_DEPTH):
                 yield folder
             if _is_package(folder / package):
@@ -61,14 +73,21 @@ class Packages:
             entries = [Path(entry) / below for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
             yield from self._among(entries, package)
 
-    @staticmethod
-    def _among(folders: Sequence[Path], package: str) -> Iterator[Path]:
+    def _among(self, folders: Sequence[Path], package: str) -> Iterator[Path]:
         """Yield the package from folders that a user has named: each may be it, or hold it."""
         for folder in folders:
-            if folder.name == package and _is_folder(folder):
+            if (folder.name == package and _is_folder(folder)) or self._is_called(folder, package):
                 yield folder
             if _is_folder(folder / package):
                 yield folder / package
+        for folder in folders:  # none is named so: perhaps one of the packages in them calls itself so
+            yield from (each for each in _folders_in(folder) if self._is_called(each, package))
+
+    def _is_called(self, folder: Path, package: str) -> bool:
+        """Return whether a folder holds a package.xml that gives this name."""
+        if folder not in self._names:
+            self._names[folder] = _manifest_name(folder / "package.xml") if _is_package(folder) else ""
+        return self._names[folder] == package
 
     def resolve(self, uri: str) -> Path | Reason:
         """Return the path that a mesh name leads to, or the reason why it leads nowhere."""
@@ -142,6 +161,31 @@ def other_case(root: Path, path: Path) -> Path | None:
     except (OSError, RuntimeError, ValueError, StopIteration):  # no such folder, a loop of links, out of the root
         return None
     return folder if folder.is_file() else None
+
+
+def _manifest_name(path: Path) -> str:
+    """Return the name that a package.xml gives; empty if it gives none, or cannot be read. No link is followed."""
+    from xml.etree import ElementTree as ET
+
+    if path.is_symlink():
+        return ""
+    try:
+        data = read_file(path, str(path), _LARGEST_MANIFEST)
+        parse(data, str(path))  # so there is no DOCTYPE in it
+        root = ET.fromstring(data)  # noqa: S314
+    except (KinetostatError, ET.ParseError, ValueError, LookupError):
+        return ""
+    return (root.findtext("name") or "").strip() if root.tag == "package" else ""
+
+
+def _folders_in(folder: Path) -> Sequence[Path]:
+    """Return the folders in a folder, by name; none of hidden ones, and not without end."""
+    try:
+        with os.scandir(folder) as entries:
+            names = [e.name for e in itertools.islice(entries, _MANY_FOLDERS) if e.is_dir() and e.name[0] != "."]
+    except OSError:
+        return []
+    return [folder / name for name in sorted(names)]
 
 
 def _is_folder(path: Path) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -64,7 +65,8 @@ def find_srdf(path: Path, robot_name: str) -> Path | None:
             continue
         for folder in (path.parent, path.parent.parent / "srdf"):
             candidate = folder / f"{name}.srdf"
-            if candidate.is_file():
+            # A link that leads nowhere, or a FIFO, was meant to be one: whoever reads it says what is wrong with it.
+            if os.path.lexists(candidate) and not candidate.is_dir():
                 return candidate
     return None
 

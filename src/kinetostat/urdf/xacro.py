@@ -44,7 +44,8 @@ def expand(path: Path, packages: Packages, arguments: Mapping[str, str], max_byt
     try:
         with _gate(xacro, path, packages, max_bytes), contextlib.redirect_stderr(io.StringIO()):
             document = xacro.process_file(str(path), mappings=dict(arguments))
-            expanded: bytes = document.toxml(encoding="utf-8")
+            # xacro leaves no white space: in one long line neither a finding nor a comment would have a place.
+            expanded: bytes = document.toprettyxml(indent="  ", encoding="utf-8")
     except KinetostatError:
         raise
     except RecursionError:

@@ -19,7 +19,7 @@ def rendered(report: CheckReport, form: str, *, base: Path | None = None) -> str
     Args:
         report: what `gate.check` found.
         form: the format.
-        base: the folder that relative paths start from; SARIF and GitHub name files in it relative to it.
+        base: the folder that relative paths start from; SARIF and GitHub name files relative to its repository.
 
     Raises:
         UsageError: there is no such format.

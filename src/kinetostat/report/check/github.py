@@ -20,7 +20,7 @@ def render(report: CheckReport, *, base: Path | None = None) -> str:
 
     Args:
         report: what was found out.
-        base: the folder that relative paths start from: the repository's.
+        base: the folder that relative paths start from; files are named relative to the repository that it is in.
     """
     lines = [_annotation(problem) for file in report.files for problem in problems(file, base)]
     return encodable("\n".join([*lines, totals_text(report)]) + "\n")

@@ -24,6 +24,7 @@ from kinetostat.report.check.words import (
 
 __all__ = ["render"]
 
+_COMMAND = re.compile("^([^!-~\n]*)::", re.MULTILINE)
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -43,7 +44,7 @@ def render(report: CheckReport) -> str:
         time=f"{sum(file.seconds for file in report.files):.3f}",
     )
     body = "".join(suite.text for suite in suites)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n<testsuites{total}>\n{body}</testsuites>\n'
+    return _inert(f'<?xml version="1.0" encoding="UTF-8"?>\n<testsuites{total}>\n{body}</testsuites>\n')
 
 
 class _Case:
@@ -159,6 +160,11 @@ def _attributes(**values: str | int) -> str:
 
 def _text(text: str) -> str:
     return escape(_xml(text))
+
+
+def _inert(text: str) -> str:
+    """Return the XML such that a runner of GitHub Actions, to which it may be printed, reads no command in it."""
+    return _COMMAND.sub(r"\1&#58;:", text).replace("##[", "##&#91;")
 
 
 def _xml(text: str) -> str:

@@ -59,7 +59,7 @@ def problems(file: FileCheck, base: Path | None = None) -> Iterator[Problem]:
 
     Args:
         file: its result.
-        base: the folder that relative paths start from.
+        base: the folder that relative paths start from; paths are told relative to the repository that it is in.
     """
     if file.verdict is Verdict.CRASHED:
         yield _crash(file, path_from(file.path, base))
@@ -72,7 +72,7 @@ def problems(file: FileCheck, base: Path | None = None) -> Iterator[Problem]:
     for outcome in file.outcomes:
         if not outcome.met:
             mark = (POLICY, path_from(file.path, base), outcome.kind, outcome.title)
-            yield _outcome(outcome, mark[1], (*mark, str(seen[mark])))
+            yield _outcome(outcome, mark[1], _place(outcome.place, base), (*mark, str(seen[mark])))
             seen[mark] += 1
 
 
@@ -98,7 +98,15 @@ def _finding(file: FileCheck, finding: Finding, path: str, identity: tuple[str, 
     )
 
 
-def _outcome(outcome: Outcome, path: str, identity: tuple[str, ...]) -> Problem:
+def _place(place: str, base: Path | None) -> str:
+    """Return where an expectation is written, relative to the repository."""
+    path, colon, line = place.rpartition(":")
+    if path and line.isascii() and line.isdigit():
+        return f"{path_from(path, base)}{colon}{line}"
+    return path_from(place, base)
+
+
+def _outcome(outcome: Outcome, path: str, place: str, identity: tuple[str, ...]) -> Problem:
     kind = printable(outcome.kind)
     told, hint = outcome_text(outcome), renewal_text(outcome)
-    return Problem(POLICY, kind, Severity.ERROR, told, hint, path, place=outcome.place, identity=identity)
+    return Problem(POLICY, kind, Severity.ERROR, told, hint, path, place=place, identity=identity)

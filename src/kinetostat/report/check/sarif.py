@@ -36,7 +36,7 @@ def render(report: CheckReport, *, base: Path | None = None) -> str:
 
     Args:
         report: what was found out.
-        base: the folder that relative URIs start from: the repository's.
+        base: the folder that relative paths start from; URIs are relative to the repository that it is in.
     """
     found = [problem for file in report.files for problem in problems(file, base)]
     first = {problem.code: problem for problem in reversed(found)}

@@ -90,7 +90,7 @@ def marked(text: str, span: tuple[int, int] | None, width: int) -> Marked:
     before = marks = 0
     last = first
     while last < len(text):
-        piece = _shown(text[last])
+        piece = _piece(text, last)
         wide = _wide(piece)
         rest = 0 if last == len(text) - 1 else len(_ELLIPSIS)
         if wide > left - rest:
@@ -109,17 +109,20 @@ def marked(text: str, span: tuple[int, int] | None, width: int) -> Marked:
 def _first_shown(text: str, skipped: int, start: int, end: int, width: int) -> int:
     """Return the first character to show, such that what is marked is seen with something before it."""
     upto = min(end, start + width)
-    if sum(_wide(_shown(c)) for c in text[skipped:upto]) <= width - len(_ELLIPSIS):
+    if sum(_wide(_piece(text, i)) for i in range(skipped, upto)) <= width - len(_ELLIPSIS):
         return skipped
     first, room = start, width // 3
     while first > skipped and room > 0:
         first -= 1
-        room -= _wide(_shown(text[first]))
+        room -= _wide(_piece(text, first))
     return first
 
 
-def _shown(character: str) -> str:
-    return " " if character == "\t" else printable(character)
+def _piece(text: str, at: int) -> str:
+    """Return a character of a line as it is shown; the bracket of "##[" would begin a command of GitHub Actions."""
+    if text[at] == "[" and text.startswith("##", at - 2):
+        return r"\x5b"
+    return " " if text[at] == "\t" else printable(text[at])
 
 
 def _wide(text: str) -> int:

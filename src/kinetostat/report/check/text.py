@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Callable, Iterator
 
@@ -30,6 +31,8 @@ Style = Callable[[str, str], str]
 
 _VERDICTS = {Verdict.PASS: "passed", Verdict.FAIL: "FAILED", Verdict.CRASHED: "CRASHED"}
 _GUTTER = "      | "
+# A runner of GitHub Actions reads a command where a line begins so, blanks aside.
+_COMMAND = re.compile("[^!-~]*::")
 
 
 def render(report: CheckReport, *, verbose: bool = False, style: Style | None = None) -> str:
@@ -64,7 +67,7 @@ class _Writer:
         shown = [f for f in file.findings if self.verbose or f.severity is not Severity.INFO]
         for other in dict.fromkeys(finding.file for finding in shown):
             if other:
-                yield f"  {self.style('path', printable(other))}:"
+                yield f"  {self.style('path', _path(other))}:"
             for finding in shown:
                 if finding.file == other:
                     yield from self._finding(file, finding)
@@ -81,8 +84,8 @@ class _Writer:
             yield self.style(kind, line)
 
     def _head(self, file: FileCheck) -> Iterator[str]:
-        path, verdict = printable(file.path), _VERDICTS[file.verdict]
-        rest = reasons(file)
+        path, verdict = _path(file.path), _VERDICTS[file.verdict]
+        rest = _inert(reasons(file))
         plain = f"{path}: {verdict}" + (f": {rest}" if rest else "")
         coloured = f"{self.style('path', path)}: {self.style(file.verdict.value, verdict)}"
         # The path stays in one piece, so that it can be clicked and copied, however long it is.
@@ -128,7 +131,7 @@ class _Writer:
 
     def _outcome(self, outcome: Outcome) -> Iterator[str]:
         kind, word = {True: ("pass", "met"), False: ("error", "NOT MET"), None: ("error", "NOT JUDGED")}[outcome.met]
-        place = f"{printable(outcome.place)} " if outcome.place else ""
+        place = f"{_path(outcome.place)} " if outcome.place else ""
         head = f"  {place}{word}"
         first, *rest = _wrapped(f"{head}: {printable(outcome.title)}", 4)
         yield f"  {place}{self.style(kind, word)}{first[len(head) :]}" if first.startswith(head) else first
@@ -139,9 +142,27 @@ class _Writer:
             if text:
                 yield from _wrapped(f"    {what + ':':8}{printable(text)}", 12)
         if outcome.remedy and not outcome.met:
-            yield f"    {renewal_text(outcome)}"  # in one piece, so that it can be pasted
+            yield f"    {_inert(renewal_text(outcome))}"  # in one piece, so that it can be pasted
 
 
 def _wrapped(text: str, indent: int) -> list[str]:
-    """Return a line folded to the width; what follows the first is indented."""
-    return textwrap.wrap(text, WIDTH, subsequent_indent=" " * indent, break_on_hyphens=False, expand_tabs=False) or [""]
+    """Return a line folded to the width; what follows the first is indented, and none begins like a command."""
+    lines = _folded(_inert(text), indent)
+    if any(map(_COMMAND.match, lines)):
+        lines = _folded(_inert(text).replace("::", r":\x3a"), indent)
+    return lines or [""]
+
+
+def _folded(text: str, indent: int) -> list[str]:
+    return textwrap.wrap(text, WIDTH, subsequent_indent=" " * indent, break_on_hyphens=False, expand_tabs=False)
+
+
+def _path(path: str) -> str:
+    """Return a path as it begins a line: where it would be read as a command, it starts at the current folder."""
+    shown = _inert(printable(path))
+    return f"./{shown}" if _COMMAND.match(f"{shown}:") else shown  # a colon may follow
+
+
+def _inert(text: str) -> str:
+    """Return a text in which a runner of GitHub Actions sees no command of the old kind: "##[", anywhere in a line."""
+    return text.replace("##[", r"##\x5b")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path, PurePath
+from functools import lru_cache
+from pathlib import Path
 
 from kinetostat.analysis.agreement import Agreement, Disagreement
 from kinetostat.errors import cut, printable
@@ -199,18 +200,45 @@ def encodable(text: str) -> str:
 
 
 def inert_json(text: str) -> str:
-    """Return JSON text in which what is not printable (within its strings: elsewhere there is none) is escaped."""
+    """Return JSON text in which what is not printable (within its strings: elsewhere there is none) is escaped.
+
+    So is the bracket of "##[": a runner of GitHub Actions reads a command from there on, wherever in a line it stands.
+    """
     import json
 
-    return "\n".join(
+    shown = "\n".join(
         line if line.isprintable() else "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in line)
         for line in text.split("\n")
     )
+    return shown.replace("##[", "##\\u005b")
 
 
 def path_from(path: str, base: Path | None) -> str:
-    """Return a path with forward slashes, relative to a folder if it is in it; a name such as example:panda stays."""
-    plain = PurePath(path)
-    if base is not None and plain.is_absolute() and plain.is_relative_to(base):
-        return plain.relative_to(base).as_posix()
-    return os.path.normpath(path).replace(os.sep, "/") if path else path
+    """Return a path with forward slashes, relative to the repository if it is in it, else absolute.
+
+    Args:
+        path: as it was asked for; a name such as example:panda stays.
+        base: the folder that relative paths start from, in the repository or its root; None: they stay relative.
+    """
+    if not path or path.startswith(("example:", "textbook:")):
+        return path
+    if base is None:
+        return os.path.normpath(path).replace(os.sep, "/")
+    base = base.absolute()
+    root, whole = _repository(base), Path(os.path.normpath(base / path))
+    if not whole.is_relative_to(root):
+        whole = _resolved(whole.parent) / whole.name  # a link among the folders above may lead there
+    return (whole.relative_to(root) if whole.is_relative_to(root) else whole).as_posix()
+
+
+@lru_cache(maxsize=64)
+def _repository(folder: Path) -> Path:
+    """Return the root of the repository that a folder is in, links resolved; the folder itself if it is in none."""
+    real = Path(os.path.realpath(folder))
+    # In a worktree, and in a submodule, .git is a file.
+    return next((above for above in (real, *real.parents) if os.path.lexists(above / ".git")), real)
+
+
+@lru_cache(maxsize=1024)
+def _resolved(folder: Path) -> Path:
+    return Path(os.path.realpath(folder))

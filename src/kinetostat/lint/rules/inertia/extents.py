@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from kinetostat.lint.bodies import LinkInertia, bodies_of
@@ -21,6 +22,7 @@ DENSEST = 25_000.0  # kg/m3 in the whole box: osmium has 22,600
 LIGHTEST = 1.0  # kg/m3 in the shapes: less than air
 STAND_IN = 0.02  # m: a smaller shape marks a place; the part itself is not drawn
 OUTSIDE = 0.25  # of half the diagonal of the box, for parts that are not drawn
+_TOLD = 1e12  # kg/m3: a shape in which the mass is denser has no volume to divide by
 
 _SIZES = "the radius of gyration is"
 
@@ -128,11 +130,12 @@ class ImplausibleDensity(Rule):
         """Yield each mass that does not fit its link's shape; an info where it is too light."""
         heavy, light = [], []
         for each, extent in _drawn(subject):
-            x, y, z = extent.sides
+            volume = math.prod(extent.sides)
             mass = first(each.link, "inertial", "mass") or each.link
             message = f"mass {each.mass:g} kg in a shape of {_box(extent)}"
-            if each.mass > DENSEST * x * y * z:
-                heavy.append(Found(mass, each.name, f"{message}: {each.mass / (x * y * z):,.0f} kg/m3", "value"))
+            if each.mass > DENSEST * volume:
+                density = f"{each.mass / volume:,.0f} kg/m3" if each.mass < volume * _TOLD else "no volume to speak of"
+                heavy.append(Found(mass, each.name, f"{message}: {density}", "value"))
             elif each.mass < LIGHTEST * extent.volume:
                 light.append(Found(mass, each.name, f"{message}: {each.mass / extent.volume:.2g} kg/m3", "value"))
         yield from grouped(self, heavy, what="link")

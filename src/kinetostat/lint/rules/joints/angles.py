@@ -14,6 +14,7 @@ from kinetostat.lint.rule import Example, Rule
 from kinetostat.lint.rules.joints.common import has_axis
 from kinetostat.lint.subject import Subject, first, name_of, vector
 from kinetostat.urdf.document import Element
+from kinetostat.urdf.reader import MAX_ANGLE
 from kinetostat.urdf.reading import words
 
 __all__ = ["ANGLES"]
@@ -93,6 +94,8 @@ def _rounded_angles(joint: Element) -> Iterator[_Rounded]:
     if origin is None or angles is None:
         return
     for text, angle in zip(words(origin.attributes["rpy"]), angles, strict=True):
+        if abs(angle) > MAX_ANGLE:
+            continue  # another rule says so
         steps = round(angle * _PARTS / math.pi)
         off = abs(angle - steps * math.pi / _PARTS)
         if steps and off > _HARMLESS and _is_written_for(text, steps):

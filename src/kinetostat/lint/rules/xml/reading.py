@@ -49,9 +49,10 @@ class UnreadableRobot(Rule):
         """Yield nothing: `lint` asks `of` where no other rule has spoken."""
         yield from ()
 
-    def of(self, refusal: KinetostatError) -> Finding:
-        """Return the finding for a refusal."""
-        return self.finding(refusal.line or 0, refusal.message, hint=refusal.remedy, element=refusal.element or "")
+    def of(self, refusal: KinetostatError, file: str = "") -> Finding:
+        """Return the finding for a refusal, in the file if that is not the robot's own (an include of xacro)."""
+        element = refusal.element or ""
+        return self.finding(refusal.line or 0, refusal.message, hint=refusal.remedy, element=element, file=file)
 
 
 class UnusedSuppression(Rule):
@@ -79,7 +80,7 @@ class UnusedSuppression(Rule):
         """Return the finding for a comment that takes nothing back (not `used`), or has no reason."""
         codes = cut(",".join(comment.codes))
         message = f"ignore[{codes}] gives no reason" if used else f"ignore[{codes}] takes nothing back"
-        return self.finding(comment.line, message, element=quote("kinetostat: ignore"))
+        return self.finding(comment.line, message, element=quote("kinetostat: ignore"), file=comment.file)
 
 
 READING: tuple[Rule, ...] = (UnreadableRobot(), UnusedSuppression())

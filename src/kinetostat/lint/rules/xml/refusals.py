@@ -27,7 +27,8 @@ class _Refused(Rule):
         """Yield why the file is no document, if that is this rule's."""
         refusal = subject.refusal
         if subject.document is None and refusal is not None and refusal.message.startswith(self.reasons):
-            yield self.finding(refusal.line or 0, refusal.message, hint=self._hint(refusal.message) or refusal.remedy)
+            hint, file = self._hint(refusal.message) or refusal.remedy, subject.file_of(refusal)
+            yield self.finding(refusal.line or 0, refusal.message, hint=hint, file=file)
 
     def _hint(self, _message: str) -> str:
         return ""
@@ -51,7 +52,7 @@ class NotARobotFile(_Refused):
     def check(self, subject: Subject) -> Iterator[Finding]:
         """Yield what the file is, at its first line."""
         for found in super().check(subject):
-            yield self.finding(1, found.message, hint=found.hint)
+            yield self.finding(1, found.message, hint=found.hint, file=found.file)
 
 
 class NotWellFormed(_Refused):

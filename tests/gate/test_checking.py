@@ -22,6 +22,9 @@ def test_readers_that_cannot_be_compared_have_not_agreed(monkeypatch):
     monkeypatch.setattr(module, "agreement", refuse)
     found = check_robot(ROBOT)
     assert found.skipped["crosscheck"] == "no more memory"
+    assert [f.message for f in found.findings if f.code == "K201"] == [
+        "the readers could not be compared: no more memory"
+    ]
     assert judged(found, Severity.ERROR).verdict is Verdict.FAIL
 
 

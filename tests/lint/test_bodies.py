@@ -425,7 +425,7 @@ def test_twenty_thousand_links_take_no_more_than_their_share(tensor, tmp_path):
             list(rule.check(subject))
         return time.perf_counter() - start
 
-    assert seconds(16_000) < 20 * seconds(2_000)
+    assert seconds(16_000) < 60  # it takes about 2; each against each would take many minutes
 
 
 # --- severities and sums ------------------------------------------------------------------------------------------

@@ -112,7 +112,7 @@ def test_many_comments_and_findings_take_no_more_than_their_number():
         assert used == set(comments)
         return time.process_time() - start
 
-    assert seconds(16_000) < 30 * max(seconds(1_000), 0.02)  # 256 times as long, if each were asked of each
+    assert seconds(16_000) < 10  # minutes, if each were asked of each
 
 
 def test_findings_that_share_line_and_message_have_one_order():

@@ -84,4 +84,4 @@ def test_a_hostile_line_takes_no_time(piece):
     start = time.perf_counter()
     for _ in range(5):
         marked(text, columns(text, finding(element="<b>", attribute="lower")), 72)
-    assert time.perf_counter() - start < 1
+    assert time.perf_counter() - start < 20  # the square of its length would take minutes

@@ -16,6 +16,8 @@ FRAMES = {"tool", "a", "b"}  # links that are frames alone, without a mass
 # What is odd about a file on purpose: the rules that say so.
 REMARKS = {
     "puma560": ["I203"],  # the published inertia of link 3
+    "helical": ["X309"],  # screw joints, which are Drake's
+    "modern_robotics_hhhh": ["X309"],
     "rigid_body": ["T109"],  # no joint can move
 }
 

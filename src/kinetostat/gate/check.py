@@ -88,15 +88,10 @@ def check(
         xacro_arguments=dict(xacro_arguments or {}),
         max_bytes=max_bytes,
     )
+    known_file = _baseline(baseline, settings, folder)
     tasks = tasks_of([str(path) for path in paths], settings, chosen)
     if changed_since is not None:
-        named = {getattr(one, "file", "") for task in tasks for one in task.expectations} - {""}
-        known_file = _baseline(baseline, settings, folder)
-        everything = [*folder.glob("*.toml"), *(folder / name for name in named), *filter(None, [known_file])]
-        srdfs = {task.name: task.srdf for task in tasks if task.srdf is not None}
-        kept = set(touched([task.name for task in tasks], changed_since, everything, srdfs))
-        tasks = tuple(task for task in tasks if task.name in kept)
-    known_file = _baseline(baseline, settings, folder)
+        tasks = _changed(tasks, changed_since, folder, known_file)
     known = read_baseline(known_file) if known_file is not None else {}
     mildest = Severity(settings.check.fail_on if fail_on is None else fail_on)
 
@@ -115,6 +110,15 @@ def check(
     else:
         results = []
     return CheckReport(tuple(map(finished, results)), mildest)
+
+
+def _changed(tasks: Sequence[Task], revision: str, folder: Path, known_file: Path | None) -> tuple[Task, ...]:
+    """Return the tasks that a change touches; a change of the settings, or of what they name, touches all."""
+    named = {getattr(one, "file", "") for task in tasks for one in task.expectations} - {""}
+    everything = [*folder.glob("*.toml"), *(folder / name for name in named), *filter(None, [known_file])]
+    srdfs = {task.name: task.srdf for task in tasks if task.srdf is not None}
+    kept = set(touched([task.name for task in tasks], revision, everything, srdfs))
+    return tuple(task for task in tasks if task.name in kept)
 
 
 def _validate(

@@ -19,7 +19,6 @@ from kinetostat.urdf.document import decoded
 
 __all__ = ["Task", "check_robot", "judged"]
 
-CROSSCHECK = "crosscheck"  # what is skipped where the readers cannot be compared
 _LONGEST_LINE = 20_000  # characters of a line that are kept to be shown
 
 
@@ -68,10 +67,11 @@ def check_robot(task: Task) -> FileCheck:
     if task.samples and there_is_a_model(subject):
         agreement, skipped = _agreement(subject, task)
     linted = lint(subject, rules, agreement)
+    findings = (*linted.findings, *map(_not_compared, skipped.values()))
     return FileCheck(
         task.name,
         Verdict.PASS,
-        linted.findings,
+        findings,
         agreement,
         _outcomes(subject, task),
         len(linted.suppressed),
@@ -79,7 +79,7 @@ def check_robot(task: Task) -> FileCheck:
         {**linted.skipped, **skipped},
         "",
         subject.expanded,
-        _shown_lines(subject, linted.findings),
+        _shown_lines(subject, findings),
         time.perf_counter() - start,
         subject.robot is not None,
     )
@@ -96,8 +96,7 @@ def judged(file: FileCheck, fail_on: Severity) -> FileCheck:
     bad = any(finding.severity.rank <= fail_on.rank for finding in file.findings)
     unmet = any(not outcome.met for outcome in file.outcomes)  # not judged is not met
     apart = file.agreement is not None and not file.agreement.engines_agree
-    untold = CROSSCHECK in file.skipped  # readers that could not be compared have not agreed
-    return replace(file, verdict=Verdict.FAIL if bad or unmet or apart or untold else Verdict.PASS)
+    return replace(file, verdict=Verdict.FAIL if bad or unmet or apart else Verdict.PASS)
 
 
 def _agreement(subject: Subject, task: Task) -> tuple[Agreement | None, dict[str, str]]:
@@ -107,7 +106,14 @@ def _agreement(subject: Subject, task: Task) -> tuple[Agreement | None, dict[str
     try:
         return agreement(subject.model, samples=task.samples, seed=task.seed), {}
     except KinetostatError as error:
-        return None, {CROSSCHECK: error.message}
+        return None, {"crosscheck": error.message}
+
+
+def _not_compared(reason: str) -> Finding:
+    """Return the finding for readers that could not be compared: they have not agreed, whatever rules are asked."""
+    from kinetostat.lint.rules.kinetostatics import EnginesDisagree
+
+    return EnginesDisagree().finding(0, f"the readers could not be compared: {reason}")
 
 
 def _outcomes(subject: Subject, task: Task) -> tuple[Outcome, ...]:

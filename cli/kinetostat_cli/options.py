@@ -21,20 +21,25 @@ from kinetostat.conventions import Order, Reference
 from kinetostat_cli import completion
 
 __all__ = [
+    "MAX_BYTES",
     "AxesOption",
     "Base",
     "ConfigurationOptions",
+    "DebugOption",
     "ExpressedInOption",
     "Format",
     "FrameOption",
     "HeldOptions",
+    "MaxBytesOption",
     "OrderOption",
     "OutputOptions",
+    "PackageDirOption",
     "PointOption",
     "Quaternion",
     "ReferenceOption",
     "RelativeToOption",
     "RobotOptions",
+    "XacroArgOption",
     "grouped",
     "joined_axes",
 ]
@@ -106,6 +111,17 @@ AxesOption = Annotated[
 OrderOption = Annotated[Order, typer.Option("--order", help="Order of the rows of twists and wrenches.")]
 
 
+PackageDirOption = Annotated[
+    list[Path] | None, typer.Option(metavar="DIR", help="Look for packages here first. May be repeated.")
+]
+XacroArgOption = Annotated[
+    list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of a xacro file. May be repeated.")
+]
+MaxBytesOption = Annotated[int, typer.Option(min=1, max=2**40, metavar="N", help="Refuse larger files.")]
+DebugOption = Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")]
+MAX_BYTES = 64 * 1024 * 1024
+
+
 @dataclass(frozen=True)
 class RobotOptions:
     """Which robot, and how it is read."""
@@ -125,13 +141,9 @@ class RobotOptions:
         Path | None,
         typer.Option(metavar="FILE", help="SRDF with groups and states. Default: the one beside the robot."),
     ] = None
-    package_dir: Annotated[
-        list[Path] | None, typer.Option(metavar="DIR", help="Look for packages here first. May be repeated.")
-    ] = None
-    xacro_arg: Annotated[
-        list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of a xacro file. May be repeated.")
-    ] = None
-    max_bytes: Annotated[int, typer.Option(min=1, metavar="N", help="Refuse larger files.")] = 64 * 1024 * 1024
+    package_dir: PackageDirOption = None
+    xacro_arg: XacroArgOption = None
+    max_bytes: MaxBytesOption = MAX_BYTES
 
 
 @dataclass(frozen=True)
@@ -191,7 +203,7 @@ class OutputOptions:
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Also say what is odd about the file, and where it was found.")
     ] = False
-    debug: Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")] = False
+    debug: DebugOption = False
 
 
 _GROUPS = (ConfigurationOptions, HeldOptions, RobotOptions, OutputOptions)

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["pytest_addoption", "pytest_collect_file", "pytest_configure", "robot"]
 
-_SUFFIXES = (".urdf", ".urdf.xacro")  # in any case
 _EXCLUDED = pytest.StashKey[dict[Path, tuple[str, ...]]]()
 
 
@@ -40,7 +39,11 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
     """Return a collector for a robot file; none for one that the settings exclude, unless it is named."""
-    if not parent.config.getoption("--kinetostat") or not file_path.name.lower().endswith(_SUFFIXES):
+    if not parent.config.getoption("--kinetostat"):
+        return None
+    from kinetostat.gate.targets import is_robot_file
+
+    if not is_robot_file(file_path.name):
         return None
     if not parent.session.isinitpath(file_path) and _is_excluded(file_path, parent.config):
         return None

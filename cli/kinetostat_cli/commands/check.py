@@ -14,7 +14,14 @@ import typer
 
 from kinetostat.errors import UsageError, cut, quote
 from kinetostat_cli.console import opened, progress_bar, say, xacro_arguments
-from kinetostat_cli.options import OutputOptions
+from kinetostat_cli.options import (
+    MAX_BYTES,
+    DebugOption,
+    MaxBytesOption,
+    OutputOptions,
+    PackageDirOption,
+    XacroArgOption,
+)
 
 if TYPE_CHECKING:
     from kinetostat.gate.result import CheckReport, FileCheck
@@ -92,17 +99,11 @@ def check(
     srdf: Annotated[
         Path | None, typer.Option(metavar="FILE", help="SRDF of the robot. Default: the one beside it.")
     ] = None,
-    package_dir: Annotated[
-        list[Path] | None, typer.Option(metavar="DIR", help="Look for packages here first. May be repeated.")
-    ] = None,
-    xacro_arg: Annotated[
-        list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of xacro files. May be repeated.")
-    ] = None,
-    max_bytes: Annotated[int, typer.Option(min=1, max=2**40, metavar="N", help="Refuse larger files.")] = 64
-    * 1024
-    * 1024,
+    package_dir: PackageDirOption = None,
+    xacro_arg: XacroArgOption = None,
+    max_bytes: MaxBytesOption = MAX_BYTES,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also show infos and what is met.")] = False,
-    debug: Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")] = False,  # noqa: ARG001 (main reads it)
+    debug: DebugOption = False,  # noqa: ARG001 (main reads it)
 ) -> None:
     """Check robot files: rules, three readers' agreement, a policy.
 

@@ -15,7 +15,16 @@ import typer
 
 from kinetostat_cli import completion
 from kinetostat_cli.console import exit_if_apart, load, opened, progress_bar, say
-from kinetostat_cli.options import Format, OutputOptions, RobotOptions
+from kinetostat_cli.options import (
+    MAX_BYTES,
+    DebugOption,
+    Format,
+    MaxBytesOption,
+    OutputOptions,
+    PackageDirOption,
+    RobotOptions,
+    XacroArgOption,
+)
 
 if TYPE_CHECKING:
     from kinetostat import Model
@@ -73,20 +82,16 @@ def diff(
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help="Write the result to a file; - is standard output."),
     ] = None,
-    package_dir: Annotated[
-        list[Path] | None, typer.Option(metavar="DIR", help="Look for packages here first. May be repeated.")
-    ] = None,
-    xacro_arg: Annotated[
-        list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of xacro files. May be repeated.")
-    ] = None,
-    max_bytes: Annotated[int, typer.Option(min=1, metavar="N", help="Refuse larger files.")] = 64 * 1024 * 1024,
+    package_dir: PackageDirOption = None,
+    xacro_arg: XacroArgOption = None,
+    max_bytes: MaxBytesOption = MAX_BYTES,
     crosscheck: Annotated[
         bool, typer.Option("--crosscheck/--no-crosscheck", help="Compute every number by both engines.")
     ] = True,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Also say what is odd about the files, and where they were found.")
     ] = False,
-    debug: Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")] = False,
+    debug: DebugOption = False,
 ) -> None:
     """Show what changed between two versions of a robot.
 

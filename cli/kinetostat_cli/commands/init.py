@@ -11,7 +11,15 @@ import typer
 
 from kinetostat_cli import completion
 from kinetostat_cli.console import load, opened, say
-from kinetostat_cli.options import OutputOptions, RobotOptions
+from kinetostat_cli.options import (
+    MAX_BYTES,
+    DebugOption,
+    MaxBytesOption,
+    OutputOptions,
+    PackageDirOption,
+    RobotOptions,
+    XacroArgOption,
+)
 
 if TYPE_CHECKING:
     from kinetostat.policy.table import RobotSettings
@@ -67,15 +75,11 @@ def init(
     srdf: Annotated[
         Path | None, typer.Option(metavar="FILE", help="SRDF of the one robot. Default: the one beside it.")
     ] = None,
-    package_dir: Annotated[
-        list[Path] | None, typer.Option(metavar="DIR", help="Look for packages here first. May be repeated.")
-    ] = None,
-    xacro_arg: Annotated[
-        list[str] | None, typer.Option(metavar="NAME:=VALUE", help="An argument of xacro files. May be repeated.")
-    ] = None,
-    max_bytes: Annotated[int, typer.Option(min=1, metavar="N", help="Refuse larger files.")] = 64 * 1024 * 1024,
+    package_dir: PackageDirOption = None,
+    xacro_arg: XacroArgOption = None,
+    max_bytes: MaxBytesOption = MAX_BYTES,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also say what is odd about the files.")] = False,
-    debug: Annotated[bool, typer.Option("--debug", help="Show a traceback when something goes wrong.")] = False,  # noqa: ARG001 (main reads it)
+    debug: DebugOption = False,  # noqa: ARG001 (main reads it)
 ) -> None:
     """Write a first policy for robots.
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from kinetostat.errors import SourceError, quote
 from kinetostat.urdf.files import example_robots, short_names, textbook_robots
 
-__all__ = ["from_folder", "robot_files"]
+__all__ = ["from_folder", "is_robot_file", "robot_files"]
 
 _SUFFIXES = (".urdf", ".urdf.xacro")  # of robots in a folder; other .xacro files may be parts: name them to check them
 
@@ -100,8 +100,13 @@ def _in_folder(folder: str) -> Iterator[str]:
     for here, folders, files in os.walk(folder, onerror=_refused):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for name in sorted(files):
-            if name.lower().endswith(_SUFFIXES) and not name.startswith("."):
+            if is_robot_file(name) and not name.startswith("."):
                 yield str(Path(here) / name)
+
+
+def is_robot_file(name: str) -> bool:
+    """Return whether a file in a folder is a robot by its name, in upper or lower case."""
+    return name.lower().endswith(_SUFFIXES)
 
 
 def _refused(error: OSError) -> None:

@@ -10,7 +10,7 @@ from typing import TypeVar, cast
 import numpy as np
 
 from kinetostat.errors import quote
-from kinetostat.lint.subject import Subject, end_of, first, name_of, number, vector
+from kinetostat.lint.subject import Subject, end_of, first, name_of, number, once, vector
 from kinetostat.lint.tensors import MOMENTS, NO_MASS, Flaw, flaw_of, matrix, rounding_of
 from kinetostat.screw import so3
 from kinetostat.urdf.document import Element
@@ -126,12 +126,10 @@ class Bodies:
         return inertia.mass < 0.01 * self.of(inertia.name).mass
 
 
+@once
 def bodies_of(subject: Subject) -> Bodies:
-    """Return the inertials and bodies of a robot file; they are kept with the subject, as its own properties are."""
-    kept = vars(subject)
-    if "bodies" not in kept:
-        kept["bodies"] = _bodies(subject)
-    return cast("Bodies", kept["bodies"])
+    """Return the inertials and bodies of a robot file; they are found once for each subject."""
+    return _bodies(subject)
 
 
 # --- reading ------------------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 
 from kinetostat.lint.headers import HEAD, Fault, fault_of
-from kinetostat.lint.subject import Subject
+from kinetostat.lint.subject import Subject, once
 from kinetostat.urdf.document import Element
 from kinetostat.urdf.packages import Packages, Reason, other_case
 
@@ -21,7 +21,6 @@ __all__ = ["MANY", "NamedFile", "last_name", "named_files", "scaled_meshes"]
 
 MANY = 1000  # different names that are looked for
 _SEARCHES = 100  # missing names of which folders are searched for another case
-_KEPT = "_named_files"
 
 
 @dataclass(frozen=True)
@@ -68,16 +67,9 @@ def last_name(name: str) -> str:
     return name.replace("\\", "/").rpartition("/")[2]
 
 
+@once
 def named_files(subject: Subject) -> Mapping[str, NamedFile]:
-    """Return the files that a robot file names, by name, in file order. The answer is kept with the subject."""
-    kept = vars(subject)  # as cached_property does: rules look at one subject many times
-    if _KEPT not in kept:
-        kept[_KEPT] = _look_up(subject)
-    files: Mapping[str, NamedFile] = kept[_KEPT]
-    return files
-
-
-def _look_up(subject: Subject) -> dict[str, NamedFile]:
+    """Return the files that a robot file names, by name, in file order. They are looked up once for each subject."""
     uses: dict[str, list[Element]] = {}
     for element in _naming(subject):
         uses.setdefault(element.attributes["filename"], []).append(element)

@@ -17,7 +17,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
-from kinetostat.lint.subject import Subject
+from kinetostat.lint.subject import Subject, once
 from kinetostat.urdf.document import Element
 from kinetostat.urdf.reader import MAX_ANGLE, MAX_LENGTH, MAX_MULTIPLIER
 
@@ -245,19 +245,13 @@ def elsewhere(tag: str) -> str:
     return next((where for where, tags in _FOREIGN.items() if tag in tags), "")
 
 
+@once
 def parts(subject: Subject) -> Sequence[tuple[Element, Part]]:
     """Return the elements that are URDF's own, in file order, each with what may stand in it; none of another format.
 
-    They are found once for each subject, as a cached property of it would be.
+    They are found once for each subject.
     """
-    kept = vars(subject)
-    if "parts" not in kept:
-        kept["parts"] = _parts(subject.root)
-    found: Sequence[tuple[Element, Part]] = kept["parts"]
-    return found
-
-
-def _parts(root: Element) -> Sequence[tuple[Element, Part]]:
+    root = subject.root
     found, stack = list[tuple[Element, Part]](), [(root, ROBOT)] if root.tag == "robot" else []
     while stack:
         element, part = stack.pop()

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
-from kinetostat.lint.subject import Subject, first, name_of, number, vector
+from kinetostat.lint.subject import Subject, first, name_of, number, once, vector
 from kinetostat.screw import so3
 from kinetostat.urdf.document import Element
 
@@ -47,12 +46,10 @@ class Extent:
         return math.hypot(*beyond)
 
 
+@once
 def extents_of(subject: Subject) -> Mapping[str, Extent]:
-    """Return the extents of the links that have one, in file order; they are kept with the subject."""
-    kept = vars(subject)
-    if "extents" not in kept:
-        kept["extents"] = {name_of(link): extent for link in subject.links if (extent := extent_of(link)) is not None}
-    return cast("Mapping[str, Extent]", kept["extents"])
+    """Return the extents of the links that have one, in file order; they are found once for each subject."""
+    return {name_of(link): extent for link in subject.links if (extent := extent_of(link)) is not None}
 
 
 def extent_of(link: Element) -> Extent | None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TypeVar
 
 from kinetostat.engines.model import Model
 from kinetostat.errors import KinetostatError
@@ -22,8 +24,9 @@ from kinetostat.urdf.reading import as_number, words
 from kinetostat.urdf.srdf import Semantics, find_srdf, read_srdf
 from kinetostat.urdf.xacro import expand, is_xacro
 
-__all__ = ["Subject", "end_of", "first", "name_of", "number", "subject_of", "subject_of_loaded", "vector"]
+__all__ = ["Subject", "end_of", "first", "name_of", "number", "once", "subject_of", "subject_of_loaded", "vector"]
 
+_T = TypeVar("_T")
 JOINT_TAGS = ("joint", "drake:joint")
 
 
@@ -180,6 +183,21 @@ def _with_semantics(subject: Subject, srdf: Path | None) -> Subject:
         return replace(subject, semantics=read_srdf(document, robot))
     except KinetostatError as error:
         return replace(subject, srdf_refusal=error)
+
+
+def once(make: Callable[[Subject], _T]) -> Callable[[Subject], _T]:
+    """Let what a function says of a subject be found once: it is kept with the subject, as its own properties are."""
+    key = f"{make.__module__}.{make.__qualname__}"
+
+    @functools.wraps(make)
+    def kept(subject: Subject) -> _T:
+        values = vars(subject)
+        if key not in values:
+            values[key] = make(subject)
+        found: _T = values[key]
+        return found
+
+    return kept
 
 
 # --- reading elements as far as they can be read ------------------------------------------------------------------

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from kinetostat.conventions import Array, Reference
 from kinetostat.engines.screw import ScrewEngine
 from kinetostat.errors import quote
 from kinetostat.lint.grippers import without_gripper
-from kinetostat.lint.subject import Subject
+from kinetostat.lint.subject import Subject, once
 from kinetostat.urdf.description import Joint, JointType, Robot
 
 __all__ = ["Limb", "Structure", "chain_text", "rank", "structure"]
@@ -75,16 +74,11 @@ class Structure:
         return self.robot.movable_path(self.robot.root, limb.tip)
 
 
+@once
 def structure(subject: Subject) -> Structure:
-    """Return the limbs of a robot; they are kept with the subject, as its own properties are."""
-    kept = vars(subject)
-    if "structure" not in kept:
-        assert subject.robot is not None
-        kept["structure"] = _structure(subject.robot)
-    return cast("Structure", kept["structure"])
-
-
-def _structure(robot: Robot) -> Structure:
+    """Return the limbs of a robot; they are found once for each subject."""
+    robot = subject.robot
+    assert robot is not None
     before, after = _neighbours(robot)
     engine, links, limbs = ScrewEngine(robot), list(robot.link_by_name), list[Limb]()
     zero = dict(zip(links, engine.placements(neutral(robot), links), strict=True))

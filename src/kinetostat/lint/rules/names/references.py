@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from kinetostat.errors import quote
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.grouping import Found, grouped
 from kinetostat.lint.rule import Example, Rule
-from kinetostat.lint.rules.names.uses import robot_uses, told
-from kinetostat.lint.subject import Subject, first, name_of
+from kinetostat.lint.rules.names.uses import Use, robot_uses, told
+from kinetostat.lint.subject import Subject, first, name_of, once
+from kinetostat.urdf.document import Element
 
 __all__ = ["REFERENCES"]
 
@@ -38,13 +39,20 @@ _FINGERS = """
 
 def _lost(rule: Rule, subject: Subject) -> Iterator[Finding]:
     """Yield the names that are not there and that a rule tells: that of the worst use, by the order of codes."""
-    kept = vars(subject)  # as cached_property does: three rules ask
+    yield from told(rule, subject, _lost_uses(subject), _known(subject))
+
+
+@once
+def _lost_uses(subject: Subject) -> list[Use]:
+    """Return the uses of names that are not there, by the order of codes; three rules ask."""
+    known = _known(subject)
+    return sorted((use for use in robot_uses(subject) if use.name not in known[use.kind]), key=lambda use: use.code)
+
+
+@once
+def _known(subject: Subject) -> dict[str, Mapping[str, Element]]:
     joints, links = subject.joint_elements, subject.link_elements
-    known = {"joint": joints, "link or joint": {**links, **joints}}
-    if "lost_references" not in kept:
-        lost = [use for use in robot_uses(subject) if use.name not in known[use.kind]]
-        kept["lost_references"] = sorted(lost, key=lambda use: use.code)
-    yield from told(rule, subject, kept["lost_references"], known)
+    return {"joint": joints, "link or joint": {**links, **joints}}
 
 
 class LostTransmission(Rule):

@@ -11,7 +11,7 @@ from kinetostat.errors import cut, quote
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.rule import Example, Needs, Rule
 from kinetostat.lint.rules.names.uses import Use, srdf_uses, told
-from kinetostat.lint.subject import Subject, name_of
+from kinetostat.lint.subject import Subject, name_of, once
 from kinetostat.urdf.description import JointType
 from kinetostat.urdf.document import Element
 from kinetostat.urdf.reading import words
@@ -112,23 +112,20 @@ class _Names:
     known: Mapping[str, Collection[str]]
 
 
+@once
 def _names_of(subject: Subject) -> _Names:
-    """Return the names that an SRDF uses; they are kept with the subject, as its own properties are."""
-    kept = vars(subject)
-    if "srdf_names" not in kept:
-        assert subject.srdf is not None
-        assert subject.robot is not None
-        root = subject.srdf.root
-        known: dict[str, Collection[str]] = {
-            "link": subject.robot.link_by_name,
-            "joint": joint_names(subject, root),
-            "group": {name_of(group) for group in root.all("group")},
-        }
-        uses = tuple(use for use in srdf_uses(root) if use.name in known[use.kind] or not is_free_flyer(use.at))
-        lost = tuple(use for use in uses if not use.name or use.name not in known[use.kind])
-        kept["srdf_names"] = _Names(uses, lost, known)
-    names: _Names = kept["srdf_names"]
-    return names
+    """Return the names that an SRDF uses; they are found once for each subject."""
+    assert subject.srdf is not None
+    assert subject.robot is not None
+    root = subject.srdf.root
+    known: dict[str, Collection[str]] = {
+        "link": subject.robot.link_by_name,
+        "joint": joint_names(subject, root),
+        "group": {name_of(group) for group in root.all("group")},
+    }
+    uses = tuple(use for use in srdf_uses(root) if use.name in known[use.kind] or not is_free_flyer(use.at))
+    lost = tuple(use for use in uses if not use.name or use.name not in known[use.kind])
+    return _Names(uses, lost, known)
 
 
 def _strange(names: _Names) -> tuple[int, ...]:

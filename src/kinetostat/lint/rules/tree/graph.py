@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from kinetostat.lint.subject import Subject, first, name_of
+from kinetostat.lint.subject import Subject, first, name_of, once
 from kinetostat.urdf.document import Element
 
 __all__ = ["Graph", "Loop", "graph_of", "tied"]
@@ -77,16 +77,9 @@ class Graph:
         return depth, loops
 
 
+@once
 def graph_of(subject: Subject) -> Graph:
     """Return how the links and joints of a file fit together; found once for each subject."""
-    kept = vars(subject)
-    if "graph" not in kept:
-        kept["graph"] = _graph(subject)
-    found: Graph = kept["graph"]
-    return found
-
-
-def _graph(subject: Subject) -> Graph:
     links = {name_of(element): element for element in reversed(subject.links) if name_of(element)}
     links = dict(reversed(links.items()))
     above = dict[str, tuple[Element, str]]()

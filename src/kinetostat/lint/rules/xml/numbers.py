@@ -13,7 +13,7 @@ from kinetostat.lint.expressions import has_expression
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.rule import Example, Rule
 from kinetostat.lint.schema import Number, Part, parts
-from kinetostat.lint.subject import Subject, vector
+from kinetostat.lint.subject import Subject, once, vector
 from kinetostat.urdf.document import Element
 from kinetostat.urdf.reader import MAX_ANGLE, MAX_LENGTH, SMALLEST_AXIS
 from kinetostat.urdf.reading import as_number, words
@@ -269,22 +269,19 @@ class _Odd:
         return Severity.WARNING if self.part.cosmetic else None
 
 
+@once
 def _odd(subject: Subject) -> Sequence[_Odd]:
     """Return the odd attributes, without those that are xacro; found once for each subject."""
-    kept = vars(subject)
-    if "odd_numbers" not in kept:
-        kept["odd_numbers"] = [
-            _Odd(element, part, key, kind, found, values)
-            for element, part in parts(subject)
-            for key, kind in part.numbers.items()
-            if (text := element.attributes.get(key)) is not None
-            for found in [_words(text, kind)]
-            for values in [[as_number(word) for word in found]]
-            if len(values) != kind.size or not all(value is not None and _fits(value, kind) for value in values)
-            if not has_expression(text)
-        ]
-    odd: Sequence[_Odd] = kept["odd_numbers"]
-    return odd
+    return [
+        _Odd(element, part, key, kind, found, values)
+        for element, part in parts(subject)
+        for key, kind in part.numbers.items()
+        if (text := element.attributes.get(key)) is not None
+        for found in [_words(text, kind)]
+        for values in [[as_number(word) for word in found]]
+        if len(values) != kind.size or not all(value is not None and _fits(value, kind) for value in values)
+        if not has_expression(text)
+    ]
 
 
 def _words(text: str, kind: Number) -> list[str]:

@@ -27,7 +27,7 @@ from kinetostat.errors import NumberError, quote
 from kinetostat.screw.chain import screw
 from kinetostat.urdf.description import MASSLESS, JointType, Robot
 
-__all__ = ["Reactions", "Torques", "reactions", "torque"]
+__all__ = ["Reactions", "Torques", "reactions", "refuse_negative_masses", "torque"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -128,7 +128,7 @@ def torque(
     robot, q, on = model.robot, checked(model.robot, q), On(on)
     down, none = checked_gravity(gravity), np.zeros(3)
     if np.any(down):
-        _refuse_negative_masses(model)
+        refuse_negative_masses(model)
     # A payload has its weight in any case: without gravity of the links, 9.81 m/s2 down the root's z.
     pull = checked_gravity(True) if gravity is None or gravity is False else down
     exerted = [replace(load, wrench=-load.wrench) for load in wrenches] if on is On.ROBOT else list(wrenches)
@@ -163,7 +163,7 @@ def torque(
     )
 
 
-def _refuse_negative_masses(model: Model) -> None:
+def refuse_negative_masses(model: Model) -> None:
     """Refuse to weigh a robot with a mass below zero, whose centre Pinocchio loses without a word."""
     for link in model.robot.links:
         if link.inertial is not None and link.inertial.mass < 0:

@@ -22,6 +22,7 @@ from kinetostat.conventions import Array, Load, Reference, Velocity, WrenchOrTwi
 from kinetostat.screw import se3, so3
 from kinetostat.screw.adjoint import adjoint, bracket, carry, coadjoint, cross, twist_matrix
 from kinetostat.screw.chain import Chain, screw
+from kinetostat.screw.tree import Tree
 from kinetostat.urdf.description import Joint, JointType, Mimic, Origin, Robot
 
 __all__ = ["ScrewEngine"]
@@ -207,6 +208,40 @@ class ScrewEngine:
         home = placement @ se3.placement(np.eye(3), np.array(point))
         stacked = np.array(screws).reshape(-1, 6).T, home, np.array(fold).reshape(-1, len(names)), np.array(offset)
         return Chain(*stacked), names
+
+    def tree(self, names: Sequence[str], rest: Array, masses: Sequence[tuple[str, float, Array]] = ()) -> Tree:
+        """Return the tree of screws that the named coordinates move, with the masses of the links that they carry.
+
+        All other joints stay where `rest`, (nq,), has them. Further point masses: link, kg, where in the link (3,), m.
+        """
+        placed: dict[str, tuple[Array, int]] = {self._robot.root: (np.eye(4), -1)}  # at t = 0, and the screw before
+        screws, parents, fold, offset = list[Array](), list[int](), list[Array](), list[float]()
+        for joint in self._outward:
+            placement, last = placed[joint.parent]
+            law = self._robot.followers.get(joint.name, Mimic(joint.name))
+            driven = self._robot.joint_by_name[law.joint].position_names
+            if joint.type in (JointType.FIXED, JointType.FLOATING) or not set(driven) <= set(names):
+                placed[joint.child] = placement @ self._motion(joint, rest), last
+                continue
+            placement = placement @ _origin(joint.origin)
+            for single, name in zip(_screws(joint).T, driven, strict=True):
+                screws.append(carry(placement, single[:, None])[:, 0])
+                parents.append(last)
+                fold.append(law.multiplier * np.array([float(name == other) for other in names]))
+                offset.append(law.offset)
+                last = len(screws) - 1
+            placed[joint.child] = placement, last
+        own = [(link.name, link.inertial) for link in self._robot.links if link.inertial is not None]
+        every = [(name, body.mass, np.array(body.origin.xyz)) for name, body in own] + list(masses)
+        weights, moments = np.zeros(len(screws)), np.zeros((len(screws), 3))
+        for link, mass, centre in every:
+            placement, last = placed[link]
+            if last >= 0:
+                weights[last] += mass
+                moments[last] += mass * se3.transform(placement, centre)
+        centres = np.divide(moments, weights[:, None], out=np.zeros_like(moments), where=weights[:, None] > 0)
+        stacked = np.array(screws).reshape(-1, 6).T, tuple(parents), np.array(fold).reshape(-1, len(names))
+        return Tree(*stacked, np.array(offset), weights, centres)
 
     # --- forward kinematics ------------------------------------------------------------------------------------
 

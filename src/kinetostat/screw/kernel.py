@@ -1,0 +1,135 @@
+"""What is computed of every configuration of a batch: `Kernel`, run compiled, defined here in NumPy.
+
+`Kernel.definition` is the readable formulation, by `Chain` and `Tree`; calling a kernel gives the same numbers by
+`screw.compiled`, some hundred times as fast. Tests hold one against the other, and both against the engines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinetostat.conventions import Array
+from kinetostat.screw.chain import Chain
+from kinetostat.screw.tree import Tree
+
+__all__ = ["OUTPUTS", "Kernel"]
+
+# What can be asked for, with the shape of what is given for m configurations of n coordinates; k = min(rows, n).
+OUTPUTS = (
+    "placement",  # (m, 3, 4): the upper rows of T, the tool in the observer's coordinates
+    "jacobian",  # (m, 6, n): of the tool's origin, linear rows first, in the axes that `local` says, in m and rad
+    "singular_values",  # (m, k): of the weighed rows, descending
+    "yoshikawa",  # (m,): their product
+    "yoshikawa_gradient",  # (m, n): along the coordinates; NaN where a singular value is zero
+    "minimum_gradient",  # (m, n): of the smallest singular value; NaN where it is zero
+    "gravity_torque",  # (m, n): what holds the tree still, Nm or N
+    "effort_use",  # (m, n): |gravity torque| over the effort limit in its direction; NaN where there is none
+    "limit_distance",  # (m,): of the joint nearest to a limit, 1 in the middle of its range, 0 at its end
+)
+KINK = 1e-9  # of the largest singular value: below it the smallest one is zero, and has no gradient
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """What is to be computed for configurations (..., n) of a chain: plain arrays, which travel to other processes.
+
+    The matrix whose singular values count is M = diag(a) J diag(b) with some rows of it: linear rows divided by a
+    characteristic length, for instance, columns weighed.
+
+    Attributes:
+        chain: the screws between the observer and the tool point.
+        outputs: names of `OUTPUTS`.
+        rows: the rows of J that count.
+        row_factors: a, (6,).
+        column_factors: b, (n,).
+        local: J in the tool's axes instead of the observer's.
+        tree: the masses that the same coordinates move, for torques; in coordinates in which `gravity` is given.
+        gravity: the acceleration of gravity, (3,), m/s2.
+        effort_limits: the least (negative) and greatest torque of each coordinate, infinite or NaN for none. (2, n).
+        position_limits: lower and upper end of each coordinate, infinite for none. (2, n).
+    """
+
+    chain: Chain
+    outputs: tuple[str, ...]
+    rows: tuple[int, ...] = (0, 1, 2, 3, 4, 5)
+    row_factors: Array | None = None
+    column_factors: Array | None = None
+    local: bool = False
+    tree: Tree | None = None
+    gravity: Array | None = None
+    effort_limits: Array | None = None
+    position_limits: Array | None = None
+
+    def __call__(self, q: Array) -> dict[str, Array]:
+        """Return what is asked for by name, compiled. (m, n) -> {output: (m, ...)}.
+
+        Arrays are views of arrays whose last axis is the configurations', as compiled code fills them; a batch (m, n)
+        that is such a view itself is not copied.
+        """
+        from kinetostat.screw.compiled.run import run
+
+        return run(self, q)
+
+    def definition(self, q: Array) -> dict[str, Array]:
+        """Return the same by NumPy, the readable way. (m, n) -> {output: (m, ...)}."""
+        q = np.asarray(q, dtype=np.float64)
+        jacobian, derivatives = self.chain.derivatives(q, local=self.local)
+        found = {"jacobian": jacobian, "placement": self.chain.columns(q)[1][..., :3, :]}
+        weighed, along = self.weighed(jacobian), self.weighed(derivatives, columns_at=-2)
+        u, s, vt = np.linalg.svd(weighed, full_matrices=False)
+        found["singular_values"], found["yoshikawa"] = s, np.prod(s, axis=-1)
+        if "yoshikawa_gradient" in self.outputs or "minimum_gradient" in self.outputs:
+            # ds_i/dq_j = u_i^T (dM/dq_j) v_i;  dw/dq_j = w sum_i ds_i/dq_j / s_i
+            slopes = np.einsum("...ri,...rcj,...ic->...ij", u, along, vt)
+            smooth = (s[..., -1] > KINK * s[..., 0])[..., None]
+            found["minimum_gradient"] = np.where(smooth, slopes[..., -1, :], np.nan)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                summed = np.sum(slopes / s[..., None], axis=-2)
+            found["yoshikawa_gradient"] = np.where(smooth, found["yoshikawa"][..., None] * summed, np.nan)
+        if self.tree is not None and self.gravity is not None:
+            found["gravity_torque"] = self.tree.holding_torques(q, self.gravity)
+            if self.effort_limits is not None:
+                found["effort_use"] = effort_use(found["gravity_torque"], self.effort_limits)
+        if self.position_limits is not None:
+            found["limit_distance"] = limit_distance(q, self.position_limits)
+        return {name: found[name] for name in self.outputs}
+
+    def weighed(self, matrix: Array, columns_at: int = -1) -> Array:
+        """Return the rows that count of diag(a) J diag(b), J's columns being an axis of `matrix`, its rows the one before."""
+        after = (None,) * (-1 - columns_at)
+        if self.column_factors is not None:
+            matrix = matrix * self.column_factors[(..., *after)]
+        if self.row_factors is not None:
+            matrix = matrix * self.row_factors[(..., None, *after)]
+        return np.take(matrix, self.rows, axis=columns_at - 1)
+
+
+def effort_use(torques: Array, limits: Array) -> Array:
+    """Return |torque| over the limit in its direction, NaN where there is none. (..., n), (2, n) -> (..., n)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        use: Array = torques / np.where(torques < 0, limits[0], limits[1])
+    return np.where(np.isfinite(np.where(torques < 0, limits[0], limits[1])), use, np.nan)
+
+
+def limit_distance(q: Array, limits: Array) -> Array:
+    """Return the smallest distance of a coordinate from its ends, in halves of its range; 1 where none has ends.
+
+    1 in the middle, 0 at an end, negative outside. A range of one position: 0 there. (..., n), (2, n) -> (...).
+    """
+    lower, upper = limits
+    half = (upper - lower) / 2
+    ended = np.isfinite(half)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        each = np.minimum(q - lower, upper - q) / half
+    locked = np.where((q == lower) & (q == upper), 0.0, -np.inf)
+    each = np.where(ended, np.where(half > 0, each, locked), 1.0)
+    nearest: Array = np.min(each, axis=-1, initial=1.0)
+    return nearest
+
+
+def named(outputs: Sequence[str]) -> tuple[str, ...]:
+    """Return the outputs in the order of `OUTPUTS`, each once."""
+    return tuple(name for name in OUTPUTS if name in outputs)

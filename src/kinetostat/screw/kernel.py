@@ -98,7 +98,7 @@ class Kernel:
         return {name: found[name] for name in self.outputs}
 
     def weighed(self, matrix: Array, columns_at: int = -1) -> Array:
-        """Return the rows that count of diag(a) J diag(b): J's columns are an axis of `matrix`, its rows that before."""
+        """Return the rows that count of diag(a) J diag(b): J's columns are an axis of `matrix`, rows before it."""
         after = (None,) * (-1 - columns_at)
         if self.column_factors is not None:
             matrix = matrix * self.column_factors[(..., *after)]

@@ -8,12 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kinetostat.conventions import Array
 from kinetostat.screw.chain import Chain
 from kinetostat.screw.tree import Tree
+
+if TYPE_CHECKING:
+    from kinetostat.screw.compiled.packing import PackedMasses, PackedScrews
 
 __all__ = ["OUTPUTS", "Kernel"]
 
@@ -29,6 +34,7 @@ OUTPUTS = (
     "effort_use",  # (m, n): |gravity torque| over the effort limit in its direction; NaN where there is none
     "limit_distance",  # (m,): of the joint nearest to a limit, 1 in the middle of its range, 0 at its end
 )
+_LOCKED = 1e-300  # half the length of a range of one position
 KINK = 1e-9  # of the largest singular value: below it the smallest one is zero, and has no gradient
 
 
@@ -73,6 +79,22 @@ class Kernel:
 
         return run(self, q)
 
+    @cached_property
+    def packed_chain(self) -> PackedScrews:
+        """The chain as compiled code takes it."""
+        from kinetostat.screw.compiled.packing import pack_chain
+
+        return pack_chain(self.chain)
+
+    @cached_property
+    def packed_tree(self) -> tuple[PackedScrews, PackedMasses]:
+        """The tree and its masses as compiled code takes them."""
+        from kinetostat.screw.compiled.packing import pack_tree
+
+        if self.tree is None:
+            raise ValueError("a kernel without a tree has no torques")
+        return pack_tree(self.tree)
+
     def definition(self, q: Array) -> dict[str, Array]:
         """Return the same by NumPy, the readable way. (m, n) -> {output: (m, ...)}."""
         q = np.asarray(q, dtype=np.float64)
@@ -115,19 +137,22 @@ def effort_use(torques: Array, limits: Array) -> Array:
 
 
 def limit_distance(q: Array, limits: Array) -> Array:
-    """Return the smallest distance of a coordinate from its ends, in halves of its range; 1 where none has ends.
+    """Return the smallest distance of a coordinate from an end of its range, in halves of it; 1 where none has ends.
 
-    1 in the middle, 0 at an end, negative outside. A range of one position: 0 there. (..., n), (2, n) -> (...).
+    1 - |q - middle| / half: 1 in the middle, 0 at an end, negative outside. (..., n), (2, n) -> (...).
     """
-    lower, upper = limits
-    half = (upper - lower) / 2
-    ended = np.isfinite(half)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        each = np.minimum(q - lower, upper - q) / half
-    locked = np.where((q == lower) & (q == upper), 0.0, -np.inf)
-    each = np.where(ended, np.where(half > 0, each, locked), 1.0)
-    nearest: Array = np.min(each, axis=-1, initial=1.0)
+    middle, half = middle_and_half(limits)
+    nearest: Array = np.min(1 - np.abs(q - middle) / half, axis=-1, initial=1.0)
     return nearest
+
+
+def middle_and_half(limits: Array) -> tuple[Array, Array]:
+    """Return the middle of each range and half its length: infinite without ends, hardly anything for one position."""
+    lower, upper = limits
+    ended = np.isfinite(lower) & np.isfinite(upper)
+    with np.errstate(invalid="ignore"):
+        middle, half = np.where(ended, (lower + upper) / 2, 0.0), np.where(ended, (upper - lower) / 2, np.inf)
+    return middle, np.maximum(half, _LOCKED)
 
 
 def named(outputs: Sequence[str]) -> tuple[str, ...]:

@@ -106,7 +106,7 @@ def _add_rows(total, part, count):
 
 @compiled
 def _along(slope, sums, moments, column):
-    """Take a screw out of the sums beyond it (rows 0 to 2), into those before it (3 to 5); return w . one + v . other."""
+    """Take a screw out of the sum beyond (rows 0 to 2), into that before (3 to 5); set w . the one + v . the other."""
     for lane in range(LANES):
         total = 0.0
         for axis in range(3):

@@ -1,7 +1,7 @@
 """Rows of lanes: positions, sines and cosines of LANES configurations at once.
 
-Scratch of the kernels is flat: row r of an array is [r LANES, (r + 1) LANES), and each of its lanes is of one configuration
-lane. That LANES is a constant, and rows of one array lie at constant distances, is what lets the compiler see that they do
+Scratch of the kernels is flat: row r of an array is [r LANES, (r + 1) LANES), a number of each of LANES configurations.
+That LANES is a constant, and rows of one array lie at constant distances, is what lets the compiler see that they do
 not overlap, and compute 8 lanes by one instruction; a two-dimensional array would hide it.
 
 A moving frame has 15 rows: 0 to 11 its placement row by row, 12 the position of its joint, 13 and 14 sine and cosine.
@@ -20,8 +20,8 @@ FRAME = 15 * LANES
 # bits, so that k times it is exact for |k| < 2^20, angles below 1.6e6 rad. The parts are those of fdlibm (Sun, 1993).
 _PI_2_HIGH, _PI_2_MIDDLE, _PI_2_LOW = 1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21
 _2_PI = 0.6366197723675814
-# Minimax polynomials of sine and cosine on [-pi/4, pi/4], those of fdlibm. With the reduction the absolute error of both
-# is below 2.3e-16 (two halves of a unit in the last place of 1) for angles up to 1e6 rad: a test measures it.
+# Minimax polynomials of sine and cosine on [-pi/4, pi/4], those of fdlibm. With the reduction the absolute error of
+# both is below 2.3e-16 (a unit in the last place of 1) for angles up to 1e6 rad: a test measures it.
 _S1, _S2, _S3 = -1.66666666666666324348e-01, 8.33333333332248946124e-03, -1.98412698298579493134e-04
 _S4, _S5, _S6 = 2.75573137070700676789e-06, -2.50507602534068634195e-08, 1.58969099521155010221e-10
 _C1, _C2, _C3 = 4.16666666666666019037e-02, -1.38888888888741095749e-03, 2.48015872894767294178e-05

@@ -15,7 +15,6 @@ from kinetostat.screw.compiled.blocks import (
     evaluate_motion,
     evaluate_statics,
 )
-
 from kinetostat.screw.kernel import KINK, middle_and_half
 
 if TYPE_CHECKING:

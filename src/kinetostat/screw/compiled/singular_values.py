@@ -22,7 +22,7 @@ from kinetostat.screw.compiled.lanes import rows
 
 __all__ = ["orthogonalise", "set_transposed"]
 
-_TINY = 1e-290  # keeps the root of nothing from being
+_TINY = 1e-145  # keeps 0 / 0 from being: columns as long as each other and orthogonal stay as they are
 _SWEEPS = 30  # at most; 4 to 6 are usual
 _ORTHOGONAL = 1e-16  # cosine squared: the next rotation leaves its square, which is rounding
 _ROUNDING = 1e-34  # square of 1e-17: a column so short, against the longest, is rounding itself
@@ -55,8 +55,8 @@ def _set_square(column, size):
 def _rotate(a, b, status, size):
     """Turn columns a and b in their plane so that they are orthogonal and a is the longer.
 
-    With g = a.b, d = |a|^2 - |b|^2, h = sqrt(d^2 + 4 g^2) the smaller angle has (cos, sin) = (|d| + h, 2 g) / sqrt(2 h
-    (|d| + h)). Row 0 of `status` becomes positive where they were not orthogonal before; row 1 is the square below
+    With g = a.b and d = |a|^2 - |b|^2 the smaller angle has (cos, sin) along (e, 2 g), e = |d| + sqrt(d^2 + 4 g^2): no
+    angle where both are zero. Row 0 of `status` becomes positive where they were not orthogonal before; row 1 is the square below
     which a column is rounding.
     """
     k = len(size)
@@ -66,9 +66,8 @@ def _rotate(a, b, status, size):
             g += a[i * LANES + lane] * b[i * LANES + lane]
         aa, bb = a[k * LANES + lane], b[k * LANES + lane]
         d = aa - bb
-        h = np.sqrt(d * d + 4.0 * g * g + _TINY)
-        e = abs(d) + h
-        f = 1.0 / np.sqrt(2.0 * h * e)
+        e = abs(d) + np.sqrt(d * d + 4.0 * g * g) + _TINY
+        f = 1.0 / np.sqrt(e * e + 4.0 * g * g)
         near, far = e * f, 2.0 * g * f
         p = near if d >= 0.0 else far
         q = far if d >= 0.0 else near
@@ -84,28 +83,35 @@ def _rotate(a, b, status, size):
 
 
 @compiled
+def _sweep(columns, status, size):
+    """Rotate every pair once; return whether one of them was not orthogonal before."""
+    k = len(size)
+    step = k + 1
+    for lane in range(2 * LANES):
+        status[lane] = 0.0
+    for c in range(k):
+        column = rows(columns, c * step, step)
+        _set_square(column, size)
+        for lane in range(LANES):
+            status[LANES + lane] = max(status[LANES + lane], _ROUNDING * column[k * LANES + lane])
+    for a in range(k - 1):
+        for b in range(a + 1, k):
+            _rotate(rows(columns, a * step, step), rows(columns, b * step, step), status, size)
+    left = 0.0
+    for lane in range(LANES):
+        left = max(left, status[lane])
+    return left > 0.0
+
+
+@compiled
 def orthogonalise(columns, status, size):
     """Turn k columns until they are orthogonal, the longest first, their lengths in their last rows."""
     k = len(size)
-    step = k + 1
     for _ in range(_SWEEPS):
-        for lane in range(2 * LANES):
-            status[lane] = 0.0
-        for c in range(k):
-            column = rows(columns, c * step, step)
-            _set_square(column, size)
-            for lane in range(LANES):
-                status[LANES + lane] = max(status[LANES + lane], _ROUNDING * column[k * LANES + lane])
-        for a in range(k - 1):
-            for b in range(a + 1, k):
-                _rotate(rows(columns, a * step, step), rows(columns, b * step, step), status, size)
-        unfinished = 0.0
-        for lane in range(LANES):
-            unfinished = max(unfinished, status[lane])
-        if unfinished <= 0.0:
+        if not _sweep(columns, status, size):
             break
     for c in range(k):
-        column = rows(columns, c * step, step)
+        column = rows(columns, c * (k + 1), k + 1)
         _set_square(column, size)
         for lane in range(LANES):
             column[k * LANES + lane] = np.sqrt(column[k * LANES + lane])

@@ -95,7 +95,7 @@ def evaluate_indices(q, chain, weights, task, out, size, step):
     entries = len(task) * coordinates
     frame, columns, x = np.empty(FRAME), np.empty(6 * screws * LANES), np.empty(entries * LANES)
     dots, v, row = np.empty(k * LANES), np.empty(entries // k * LANES), np.empty(LANES)
-    turned, status = np.empty(k * (k + 1) * LANES), np.empty(2 * LANES)
+    turned, status = np.empty(k * (k + 1) * LANES), np.empty(3 * LANES)
     sloping = out.yoshikawa_gradient.shape[0] + out.minimum_gradient.shape[0] > 0
     scratch = np.empty((k + entries + 6 * screws + 7 + coordinates) * LANES if sloping else 0)
     for start in range(0, q.shape[1], LANES):

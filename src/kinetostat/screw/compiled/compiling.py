@@ -21,7 +21,7 @@ from platformdirs import user_cache_path
 
 __all__ = ["LANES", "compiled"]
 
-LANES = 64  # configurations that are computed side by side: 8 vectors of 8 numbers; their scratch stays in the caches
+LANES = 128  # configurations that are computed side by side: 16 vectors of 8 numbers; their scratch stays in the caches
 
 
 def _sources() -> str:

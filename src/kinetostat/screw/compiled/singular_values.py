@@ -56,8 +56,8 @@ def _rotate(a, b, status, size):
     """Turn columns a and b in their plane so that they are orthogonal and a is the longer.
 
     With g = a.b and d = |a|^2 - |b|^2 the smaller angle has (cos, sin) along (e, 2 g), e = |d| + sqrt(d^2 + 4 g^2): no
-    angle where both are zero. Row 0 of `status` becomes positive where they were not orthogonal before; row 1 is the square below
-    which a column is rounding.
+    angle where both are zero. Row 0 of `status` becomes positive where they were not orthogonal before; row 1 is the
+    square below which a column is rounding; where row 2 is zero, all pairs are orthogonal already.
     """
     k = len(size)
     for lane in range(LANES):
@@ -71,6 +71,8 @@ def _rotate(a, b, status, size):
         near, far = e * f, 2.0 * g * f
         p = near if d >= 0.0 else far
         q = far if d >= 0.0 else near
+        p = p if status[2 * LANES + lane] > 0.0 else 1.0
+        q = q if status[2 * LANES + lane] > 0.0 else 0.0
         left = min(g * g - _ORTHOGONAL * (aa * bb), min(aa, bb) - status[LANES + lane])
         status[lane] = max(status[lane], left)
         cross = 2.0 * p * q * g
@@ -84,11 +86,16 @@ def _rotate(a, b, status, size):
 
 @compiled
 def _sweep(columns, status, size):
-    """Rotate every pair once; return whether one of them was not orthogonal before."""
+    """Rotate every pair once; return whether one of them was not orthogonal before.
+
+    Configurations that were finished before this sweep are left as they are, so that none depends on its neighbours.
+    """
     k = len(size)
     step = k + 1
-    for lane in range(2 * LANES):
+    for lane in range(LANES):
+        status[2 * LANES + lane] = status[lane]
         status[lane] = 0.0
+        status[LANES + lane] = 0.0
     for c in range(k):
         column = rows(columns, c * step, step)
         _set_square(column, size)
@@ -107,6 +114,8 @@ def _sweep(columns, status, size):
 def orthogonalise(columns, status, size):
     """Turn k columns until they are orthogonal, the longest first, their lengths in their last rows."""
     k = len(size)
+    for lane in range(LANES):
+        status[lane] = 1.0
     for _ in range(_SWEEPS):
         if not _sweep(columns, status, size):
             break

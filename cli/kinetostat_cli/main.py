@@ -35,6 +35,9 @@ COMMANDS = (
     "explain",
     "init",
     "diff",
+    "sweep",
+    "map",
+    "trajectory",
     "singular",
 )
 

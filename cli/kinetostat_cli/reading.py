@@ -8,9 +8,10 @@ import json
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from kinetostat_cli.options import ConfigurationOptions
 
@@ -18,7 +19,17 @@ if TYPE_CHECKING:
     from kinetostat import Model
     from kinetostat.conventions import Array
 
-__all__ = ["Batch", "RowKind", "batches", "configuration_rows", "pose_rows"]
+__all__ = [
+    "Batch",
+    "RowKind",
+    "batches",
+    "configuration_rows",
+    "is_header",
+    "list_file",
+    "list_text",
+    "pose_rows",
+    "split_unit",
+]
 
 BATCH = 2000  # rows that are read, computed and written at once
 
@@ -96,8 +107,8 @@ def batches(file: Path, kind: RowKind) -> Iterator[Batch]:
 
     rows, number, names = _rows(file), 0, None
     for first in rows:
-        if _is_header(first):
-            names = [_without_unit(str(cell)) for cell in first]
+        if is_header(first):
+            names = [split_unit(str(cell))[0] for cell in first]
             if kind.columns is not None and (names[0], names[-1]) == ("row", "reason"):
                 names, rows = _own_columns(names, rows, kind.columns)
             kind.many(np.zeros((0, len(names))), names)  # a wrong name is said once, not in every row
@@ -110,15 +121,16 @@ def batches(file: Path, kind: RowKind) -> Iterator[Batch]:
         yield _batch(kind, numbers, batch, names)
 
 
-def _is_header(row: Row) -> bool:
+def is_header(row: Row) -> bool:
     """Return whether a first row names columns: words, none of which is a number."""
     words = [] if isinstance(row, Mapping) else [cell.strip() for cell in row if isinstance(cell, str)]
     return len(words) == len(row) and any(words) and all(_floats([[word]]) is None for word in words)
 
 
-def _without_unit(name: str) -> str:
-    """Return the name of a column whose header may tell a unit: `elbow [rad]`."""
-    return re.sub(r" \[[^\]]*\]$", "", name.strip())
+def split_unit(name: str) -> tuple[str, str]:
+    """Return the name of a column and the unit that its header may tell: `elbow [rad]`."""
+    found = re.fullmatch(r"(.*) \[([^\]]*)\]", name.strip(), re.DOTALL)
+    return (found[1], found[2]) if found else (name.strip(), "")
 
 
 def _own_columns(names: list[str], rows: Iterator[Row], wanted: Sequence[str]) -> tuple[list[str], Iterator[Row]]:
@@ -192,27 +204,50 @@ def _rows(file: Path) -> Iterator[Row]:
     Raises:
         ConfigurationError: the file cannot be read, or is no list.
     """
-    from kinetostat.errors import ConfigurationError
-
     kind = file.suffix.lower()
     if kind == ".json":
         yield from _json_rows(file)
         return
+    with list_text(file) as text:
+        by_line = kind == ".jsonl" and file != Path("-")
+        yield from (_json_line(line) for line in text if line.strip()) if by_line else _csv_rows(text)
+
+
+@contextmanager
+def list_text(file: Path) -> Iterator[TextIO]:
+    """Open a list's text, `-` being standard input; what is wrong with it while it is read is told, too.
+
+    Raises:
+        ConfigurationError: the file cannot be read, or holds no text, no CSV.
+    """
+    from kinetostat.errors import ConfigurationError
+
     try:
         if file == Path("-"):
-            yield from _csv_rows(sys.stdin)
+            yield sys.stdin
             return
-        if not file.exists():
-            raise ConfigurationError("there is no such file", file=str(file), remedy="check the path")
-        if not file.is_file() and file.parent != Path("/dev/fd"):  # what <(command) names; others may block for ever
-            raise ConfigurationError("this is not a regular file", file=str(file), remedy="pipe it to '-'")
-        with file.open(encoding="utf-8-sig", newline="") as text:
-            yield from (_json_line(line) for line in text if line.strip()) if kind == ".jsonl" else _csv_rows(text)
+        with list_file(file).open(encoding="utf-8-sig", newline="") as text:
+            yield text
     except csv.Error as error:
         raise ConfigurationError(f"not CSV: {error}", file=str(file), remedy="is a quotation mark open?") from None
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
         raise ConfigurationError(f"the list cannot be read: {reason}", file=str(file)) from None
+
+
+def list_file(file: Path) -> Path:
+    """Return the path of a list that can be read without waiting for ever.
+
+    Raises:
+        ConfigurationError: there is no such file, or it is not a regular one.
+    """
+    from kinetostat.errors import ConfigurationError
+
+    if not file.exists():
+        raise ConfigurationError("there is no such file", file=str(file), remedy="check the path")
+    if not file.is_file() and file.parent != Path("/dev/fd"):  # what <(command) names; others may block for ever
+        raise ConfigurationError("this is not a regular file", file=str(file), remedy="pipe it to '-'")
+    return file
 
 
 def _csv_rows(text: Any) -> Iterator[Row]:

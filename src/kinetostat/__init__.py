@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from kinetostat.analysis.accuracy import ErrorPart, ToolError, tool_error
     from kinetostat.analysis.agreement import Agreement, Disagreement, agreement
     from kinetostat.analysis.approach import SingularApproach, singular_approach
+    from kinetostat.analysis.capability.capability_map import CapabilityMap, capability_map
+    from kinetostat.analysis.capability.placing import BasePlacement, PlacementMap, base_placement, placement_map
     from kinetostat.analysis.capacity import ForcePolytope, Strongest, force_polytope, strongest
     from kinetostat.analysis.configuration import Configuration, configuration, random_configurations
     from kinetostat.analysis.crosscheck import Certificate
@@ -37,6 +39,9 @@ if TYPE_CHECKING:
     from kinetostat.analysis.singular.find import Family, SingularFamilies, singular_find
     from kinetostat.analysis.statics import Reactions, Torques, reactions, torque
     from kinetostat.analysis.summary import Chain, Summary, summary
+    from kinetostat.analysis.sweeping.cluster import cluster
+    from kinetostat.analysis.sweeping.sweep import Distribution, Extreme, RowBlock, Sweep, sweep
+    from kinetostat.analysis.trajectory.trajectory import Trajectory, trajectory
     from kinetostat.analysis.velocity import FrameMotions, InstantaneousScrew, velocity
     from kinetostat.analysis.worst import WorstTorques, worst_torques
     from kinetostat.conventions import Load, Order, Reference, Velocity, WrenchOrTwist
@@ -70,6 +75,8 @@ _HOMES = {
     "analysis.accuracy": ("ErrorPart", "ToolError", "tool_error"),
     "analysis.agreement": ("Agreement", "Disagreement", "agreement"),
     "analysis.approach": ("SingularApproach", "singular_approach"),
+    "analysis.capability.capability_map": ("CapabilityMap", "capability_map"),
+    "analysis.capability.placing": ("BasePlacement", "PlacementMap", "base_placement", "placement_map"),
     "analysis.capacity": ("ForcePolytope", "Strongest", "force_polytope", "strongest"),
     "analysis.configuration": ("Configuration", "configuration", "random_configurations"),
     "analysis.crosscheck": ("Certificate",),
@@ -89,6 +96,9 @@ _HOMES = {
     "analysis.singular.find": ("Family", "SingularFamilies", "singular_find"),
     "analysis.statics": ("Reactions", "Torques", "reactions", "torque"),
     "analysis.summary": ("Chain", "Summary", "summary"),
+    "analysis.sweeping.cluster": ("cluster",),
+    "analysis.sweeping.sweep": ("Distribution", "Extreme", "RowBlock", "Sweep", "sweep"),
+    "analysis.trajectory.trajectory": ("Trajectory", "trajectory"),
     "analysis.velocity": ("FrameMotions", "InstantaneousScrew", "velocity"),
     "analysis.worst": ("WorstTorques", "worst_torques"),
     "conventions": ("Load", "Order", "Reference", "Velocity", "WrenchOrTwist"),
@@ -104,7 +114,9 @@ _HOMES = {
 __all__ = [
     "Agreement",
     "AmbiguousNameError",
+    "BasePlacement",
     "Block",
+    "CapabilityMap",
     "Certificate",
     "Chain",
     "CheckReport",
@@ -113,11 +125,13 @@ __all__ = [
     "Difference",
     "Disagreement",
     "DisagreementError",
+    "Distribution",
     "EffortLimits",
     "Ellipsoid",
     "EngineError",
     "ErrorPart",
     "EulerSequence",
+    "Extreme",
     "Family",
     "FileCheck",
     "Finding",
@@ -141,6 +155,7 @@ __all__ = [
     "Outcome",
     "Payload",
     "Placement",
+    "PlacementMap",
     "Pose",
     "Reactions",
     "Reference",
@@ -149,6 +164,7 @@ __all__ = [
     "ResolvedRates",
     "Robot",
     "RobotError",
+    "RowBlock",
     "Settings",
     "Severity",
     "SingularApproach",
@@ -159,8 +175,10 @@ __all__ = [
     "Strongest",
     "StructureError",
     "Summary",
+    "Sweep",
     "ToolError",
     "Torques",
+    "Trajectory",
     "Transmission",
     "UnknownNameError",
     "UsageError",
@@ -171,7 +189,10 @@ __all__ = [
     "XmlError",
     "adjoint",
     "agreement",
+    "base_placement",
+    "capability_map",
     "check",
+    "cluster",
     "configuration",
     "difference",
     "find_settings",
@@ -186,6 +207,7 @@ __all__ = [
     "load",
     "load_at",
     "manipulability",
+    "placement_map",
     "pose",
     "random_configurations",
     "reactions",
@@ -196,8 +218,10 @@ __all__ = [
     "singular_find",
     "strongest",
     "summary",
+    "sweep",
     "tool_error",
     "torque",
+    "trajectory",
     "velocity",
     "worst_torques",
 ]

@@ -10,6 +10,7 @@ import numpy as np
 
 from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
+from kinetostat.analysis.indices import ROUNDING, STRICT, inverse_condition_number, isotropy, singular_value_unit
 from kinetostat.analysis.jacobian import labelled, velocity_units
 from kinetostat.analysis.task import (
     FULL,
@@ -32,8 +33,6 @@ __all__ = ["Block", "Ellipsoid", "Manipulability", "Transmission", "manipulabili
 
 _NO_LENGTH = 1e-9  # of the robot's reach: a distance below it is rounding
 _SHORTEST, _LONGEST = 1e-9, 1e9  # m
-_ROUNDING = 1e-13  # m or rad: a matrix without a larger entry is zero
-STRICT = 1e-9  # of the largest singular value: below it a singular value is zero
 
 
 @dataclass(frozen=True)
@@ -310,16 +309,8 @@ def _length(
 
 
 def _unit(task: Task, turning: Sequence[bool], length: Array | None, weights: JointWeights | None) -> str:
-    """Return the unit of singular values: of rows over columns."""
-    rows = "mixed" if task.mixed else "m" if task.linear else "rad"
-    if weights is not None and weights.speeds:
-        return "mixed" if task.mixed and length is None else "1/s" if task.mixed else f"{rows}/s"
-    columns = "rad" if all(turning) else "m" if not any(turning) else "mixed" if length is None else "rad"
-    if task.mixed:
-        return "1" if length is not None else "mixed"
-    if rows == "rad" and any(turning):  # slides turn nothing
-        return "1"
-    return "mixed" if columns == "mixed" else "1" if rows == columns else f"{rows}/{columns}"
+    speeds = weights is not None and weights.speeds
+    return singular_value_unit(task, turning, scaled=length is not None, speeds=speeds)
 
 
 _FORCE_UNIT = {"m/rad": "N/Nm", "rad/m": "Nm/N", "m/s": "N/W", "rad/s": "Nm/W", "1/s": "s"}
@@ -374,15 +365,11 @@ def _block(
     left = pointing_up(left)
     padded = np.concatenate([values, np.zeros((*values.shape[:-1], len(task.rows) - count))], -1)
     largest = values[..., :1]
-    zero = padded <= np.maximum(STRICT * largest, _ROUNDING)
+    zero = padded <= np.maximum(STRICT * largest, ROUNDING)
     with np.errstate(divide="ignore"):
         forces = np.where(zero, np.inf, 1 / padded)
     gradients = _gradients(values, slopes)
     volume = np.prod(values, axis=-1)
-    moving = values[..., 0] > _ROUNDING
-    inverse_condition = np.divide(values[..., -1], values[..., 0], out=np.zeros_like(volume), where=moving)
-    squares, regular = np.mean(values**2, axis=-1), ~np.any(zero[..., :count], axis=-1)
-    isotropy = np.divide(volume ** (2 / count), squares, out=np.zeros_like(volume), where=regular)  # a root of noise
     penalised = None
     if weights is not None and weights.penalty is not None and weights.penalty_gradient is not None:
         penalised = volume * weights.penalty
@@ -397,8 +384,8 @@ def _block(
         values,
         volume,
         values[..., -1],
-        inverse_condition,
-        isotropy,
+        inverse_condition_number(values),
+        isotropy(values),
         Ellipsoid(left, padded, unit),
         Ellipsoid(left, forces, _FORCE_UNIT.get(unit, unit)),
         gradients,
@@ -413,7 +400,7 @@ def _rank(values: Any, matrix: Array) -> Array:
         norms = np.linalg.norm(balanced, axis=axis, keepdims=True)
         balanced = balanced / np.where(norms > STRICT * np.maximum(values[..., :1, None], 1e-300), norms, 1.0)
     found = np.linalg.svd(balanced, compute_uv=False)
-    rank: Array = np.sum(found > STRICT * found[..., :1], axis=-1) * (values[..., 0] > _ROUNDING)
+    rank: Array = np.sum(found > STRICT * found[..., :1], axis=-1) * (values[..., 0] > ROUNDING)
     return rank
 
 

@@ -1,0 +1,337 @@
+"""`kinetostat sweep`: measures over many configurations: a summary of them all, or a row for each."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from kinetostat.conventions import Reference
+from kinetostat_cli import completion
+from kinetostat_cli.console import (
+    configuration,
+    load,
+    progress_bar,
+    refuse,
+    triple,
+)
+from kinetostat_cli.options import (
+    AxesOption,
+    ConfigurationOptions,
+    Format,
+    FrameOption,
+    OutputOptions,
+    PointOption,
+    ReferenceOption,
+    RelativeToOption,
+    RobotOptions,
+    grouped,
+)
+from kinetostat_cli.payloads import PayloadOption, payload_of
+from kinetostat_cli.sweeping import Question
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from kinetostat import Configuration, Model
+    from kinetostat.analysis.sweeping.sweep import Sweep, SweepWork
+    from kinetostat_cli.rows import SoundRows
+
+__all__ = ["register"]
+
+_WEIGHED = {"gravity_torque", "effort_use"}
+
+
+@grouped
+def sweep(
+    robot: RobotOptions,
+    at: ConfigurationOptions,
+    output: OutputOptions,
+    frame: FrameOption = None,
+    samples: Annotated[
+        str | None, typer.Option(metavar="N", help="N random configurations inside limits: 100000, 1e8, 100k, 10M.")
+    ] = None,
+    low_discrepancy: Annotated[
+        str | None, typer.Option(metavar="N", help="N configurations that fill the limits evenly (Halton's sequence).")
+    ] = None,
+    grid: Annotated[
+        str | None,
+        typer.Option(
+            metavar="J=LO:HI:N,...",
+            help="All combinations of N positions a joint, from LO to HI; other joints as -q says.",
+            autocompletion=completion.joints,
+        ),
+    ] = None,
+    trajectory: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="The configurations of a .csv, .json or .jsonl file (-: CSV on stdin)."),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(metavar="S", help="Of what is drawn. Default: 0.")] = None,
+    measures: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A,B,...",
+            help="What to compute, see above. Default: yoshikawa,minimum_singular_value,inverse_condition_number.",
+        ),
+    ] = None,
+    below: Annotated[
+        str | None, typer.Option(metavar="MEASURE=X,...", help="Also count configurations where a measure is below X.")
+    ] = None,
+    axes: AxesOption = None,
+    length: Annotated[
+        str,
+        typer.Option(
+            metavar="L|auto|none", help="Length in m that makes metres and radians comparable; none: mix them."
+        ),
+    ] = "none",
+    relative_to: RelativeToOption = None,
+    point: PointOption = None,
+    reference: ReferenceOption = Reference.ALIGNED,
+    payload: PayloadOption = None,
+    gravity_vector: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z", help="Gravity in m/s2 in the root's axes. Default: 0,0,-9.81."),
+    ] = None,
+    effort_limits: Annotated[
+        str | None,
+        typer.Option(
+            metavar="J=E,J=LO:HI",
+            help="Effort limits in Nm or N instead of the file's.",
+            autocompletion=completion.joints,
+        ),
+    ] = None,
+    summary: Annotated[
+        bool, typer.Option("--summary", help="Give the summary, which -o writes to a file then; no rows.")
+    ] = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw how often each measure has which value: .svg, .png, .pdf.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", "-j", min=0, max=1024, metavar="N", help="Threads. Default: 0, a core each.")
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Compute on the Dask cluster of this scheduler: tcp://HOST:8786."),
+    ] = None,
+    checkpoint: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Keep what is done in this folder, and go on from it: for long summaries."),
+    ] = None,
+) -> None:
+    """Compute measures over many configurations.
+
+    A summary says how each is distributed, where its extremes are, and how many configurations are near-singular. With
+    -o FILE.csv, .npz or .parquet (-: CSV on standard output), a row for each configuration instead. The same numbers,
+    to the bit, for any number of threads. Some configurations of each chunk are computed again by Pinocchio.
+
+    Measures: yoshikawa, minimum_singular_value, inverse_condition_number, isotropy, singular_values, position,
+    yoshikawa_gradient, minimum_gradient, gravity_torque, effort_use, limit_distance; in rows also pose, jacobian.
+
+    Example: kinetostat sweep example:panda -f panda_hand --samples 100k --deg
+    """
+    sources = {"--samples": samples, "--low-discrepancy": low_discrepancy, "--grid": grid, "--trajectory": trajectory}
+    _check_sources(sources)
+    refuse(samples is None and low_discrepancy is None, {"--seed": seed}, "is of what is drawn", "leave it out")
+    rows = _rows_wanted(output, summary=summary)
+    refuse(rows, {"--checkpoint": checkpoint}, "keeps summaries, not rows", "leave out -o or --checkpoint")
+    refuse(scheduler is not None, {"--jobs": jobs}, "is of threads here, not of a cluster", "leave one of the two out")
+    names = _measures(measures, rows=rows)
+    weight = {"--payload": payload, "--gravity-vector": gravity_vector, "--effort-limits": effort_limits}
+    refuse(not _WEIGHED & set(names or ()), weight, "belongs to weight", "--measures gravity_torque,effort_use")
+    if plot is not None:
+        from kinetostat.report.figures import check_suffix
+
+        check_suffix(plot)
+    model = load(robot, output)
+    tip = model.robot.frame(frame or model.robot.default_tip())
+    q = _held(model, at)
+    listed = _listed(model, trajectory, at)
+    work = _work(
+        model,
+        tip,
+        q.q,
+        **_source(samples, low_discrepancy, grid, listed, degrees=at.deg),
+        seed=seed or 0,
+        measures=names,
+        below=_below(below),
+        axes=axes,
+        length=length,
+        relative_to=relative_to,
+        point=triple(point, "--point"),
+        reference=reference,
+        payload=payload_of(payload, tip),
+        gravity=triple(gravity_vector, "--gravity-vector") or True,
+        limits=_limits(effort_limits),
+        rows=rows,
+    )
+    if listed is not None:
+        from kinetostat_cli.rows import warn_of_held
+
+        warn_of_held(model, listed, work.coordinates.indices)
+    question = Question(work, model, replace(q, q=work.witness.rest), listed, output, degrees=at.deg)
+    with _executor(scheduler) as executor, progress_bar() as tell:
+        running: dict[str, Any] = {"workers": jobs or _cores(), "executor": executor, "progress": tell}
+        if executor is None:
+            question.compiled(tell)
+        outcome = question.written(**running) if rows else question.summed_up(**running, checkpoint=checkpoint)
+    if outcome is None:  # nobody reads any more
+        return
+    result = work.result(outcome)
+    if plot is not None:
+        _draw(result, plot)
+    if rows:
+        question.say_of_rows(result)
+    else:
+        question.write_summary(result)
+
+
+def _held(model: Model, at: ConfigurationOptions) -> Configuration:
+    """Return where joints are held that are not swept."""
+    if at.config != "zero":
+        return configuration(model, at)
+    import kinetostat
+
+    # Nobody asked for zero: what is outside limits there, is swept.
+    return replace(kinetostat.configuration(model, "zero"), warnings=())
+
+
+def _check_sources(sources: Mapping[str, object]) -> None:
+    """Refuse none, or more than one, of the options that say which configurations."""
+    from kinetostat.errors import UsageError
+
+    given = [name for name, value in sources.items() if value is not None]
+    if not given:
+        raise UsageError("nothing says which configurations", remedy=f"give one of {', '.join(sources)}")
+    if len(given) > 1:
+        raise UsageError(f"{given[0]} does not go with {given[1]}", remedy="leave one of the two out")
+
+
+def _rows_wanted(output: OutputOptions, *, summary: bool) -> bool:
+    """Return whether -o asks for rows.
+
+    Raises:
+        UsageError: a file of rows is asked for along with a summary, or its ending is none of theirs.
+    """
+    from kinetostat.errors import UsageError, quote
+    from kinetostat.report.row_files import ENDINGS, check_row_file
+
+    if output.output is None:
+        return False
+    name, ending = quote(str(output.output)), output.output.suffix.lower()
+    if summary or output.format is Format.JSON:
+        if ending in ENDINGS and not (ending == ".csv" and output.format is Format.CSV):
+            option = "--summary" if summary else "-F json"
+            raise UsageError(f"{name} is a file of rows, {option} asks for the summary", remedy="leave one of them out")
+        return False
+    if output.output == Path("-"):
+        return True
+    if ending not in ENDINGS:
+        remedy = f"name it {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}; or add --summary"
+        raise UsageError(f"{name}: the ending of a file of rows tells its format", remedy=remedy)
+    check_row_file(output.output)
+    return True
+
+
+def _listed(model: Model, trajectory: Path | None, at: ConfigurationOptions) -> SoundRows | None:
+    if trajectory is None:
+        return None
+    from kinetostat_cli.rows import sound_rows
+
+    return sound_rows(model, trajectory, at)
+
+
+def _source(
+    samples: str | None, low_discrepancy: str | None, grid: str | None, listed: SoundRows | None, *, degrees: bool
+) -> dict[str, Any]:
+    """Return which configurations, as the library takes them."""
+    from kinetostat_cli.counts import count
+
+    if samples is not None:
+        return {"samples": count(samples, "--samples")}
+    if low_discrepancy is not None:
+        return {"low_discrepancy": count(low_discrepancy, "--low-discrepancy")}
+    if listed is not None:
+        return {"configurations": listed.values}
+    return {"grid": grid, "degrees": degrees}
+
+
+def _work(model: Model, frame: str, q: Any, **question: Any) -> SweepWork:
+    from kinetostat.analysis.sweeping.sweep import sweep_work
+
+    return sweep_work(model, frame, q, **{name: value for name, value in question.items() if value is not None})
+
+
+def _measures(text: str | None, *, rows: bool) -> tuple[str, ...] | None:
+    """Return the names of measures.
+
+    Raises:
+        UsageError: one is for rows, and a summary is asked for.
+    """
+    if text is None:
+        return None
+    from kinetostat.analysis.sweeping.measures import MEASURES
+    from kinetostat.errors import UsageError
+
+    names = tuple(word.strip() for word in text.split(","))
+    single = [name for name in names if name in MEASURES and not MEASURES[name].summary]
+    if single and not rows:
+        raise UsageError(f"{single[0]} has no summary, only rows", remedy="add -o rows.npz, .csv or .parquet")
+    return names
+
+
+def _below(text: str | None) -> dict[str, float] | None:
+    """Return the thresholds of --below by measure."""
+    if text is None:
+        return None
+    from kinetostat.errors import UsageError, quote
+
+    found = dict[str, float]()
+    for part in text.split(","):
+        name, _, value = part.strip().rpartition("=")
+        try:
+            threshold = float(value)
+        except ValueError:
+            name = ""
+        if not name or name in found:
+            message = f"--below: {quote(part)} is not of the form measure=number, or a measure is given twice"
+            raise UsageError(message, remedy="for instance --below minimum_singular_value=0.05")
+        found[name] = threshold
+    return found
+
+
+def _limits(text: str | None) -> dict[str, Any] | None:
+    from kinetostat_cli.values import by_joint
+
+    return None if text is None else by_joint(text, "--effort-limits")
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def _executor(scheduler: str | None) -> Iterator[Executor | None]:
+    if scheduler is None:
+        yield None
+        return
+    from kinetostat.analysis.sweeping.cluster import cluster
+
+    with cluster(scheduler) as executor:
+        yield executor
+
+
+def _draw(result: Sweep, plot: Path) -> None:
+    from kinetostat.report.figures import save
+    from kinetostat.report.figures.histograms import histogram_figure
+
+    save(histogram_figure(result), plot)
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(sweep)

@@ -1,0 +1,165 @@
+"""A sweep's way: it runs, its rows go to a file as they come, or its summary is written; Ctrl-C is answered."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from kinetostat_cli.console import Answer, exit_if_apart, opened, say, warn, write_answer
+from kinetostat_cli.options import OutputOptions
+
+if TYPE_CHECKING:
+    from kinetostat import Configuration, Model
+    from kinetostat.analysis.sweeping.running import Outcome
+    from kinetostat.analysis.sweeping.sweep import Sweep, SweepPartial, SweepWork
+    from kinetostat.report.row_files import RowWriter
+    from kinetostat_cli.rows import SoundRows
+
+__all__ = ["Question"]
+
+_INTERRUPTED = 130
+_STDOUT = Path("-")
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked, and where the answer goes.
+
+    Attributes:
+        work: what is computed.
+        model: of which robot.
+        at: where joints are held that do not move.
+        listed: the list that configurations come from, or None.
+        output: how to write, and where.
+        degrees: show angles in degrees.
+    """
+
+    work: SweepWork
+    model: Model
+    at: Configuration
+    listed: SoundRows | None
+    output: OutputOptions
+    degrees: bool
+
+    def compiled(self, tell: Callable[[str, float], None] | None) -> None:
+        """Have the kernel ready: the first of its kind on a machine is compiled, which is no part of the sweep."""
+        if tell is not None:
+            tell("compiling, once", 0.0)
+        self.work.kernel(self.work.source.rows(0, 1))
+
+    def summed_up(self, **running: Any) -> Outcome[SweepPartial]:
+        """Run to the end, or to Ctrl-C."""
+        from kinetostat.analysis.sweeping.running import run
+
+        outcome = run(self.work, **running)
+        if not outcome.rows:
+            raise KeyboardInterrupt
+        return outcome
+
+    def written(self, **running: Any) -> Outcome[SweepPartial] | None:
+        """Run, and write rows as they come; None if nobody reads them to the end."""
+        from kinetostat.analysis.sweeping.running import run
+
+        try:
+            with self._row_writer() as writer:
+                return _whole(run(self.work, sink=self._sink(writer), **running))
+        except _NobodyReadsError:
+            return None
+        except KeyboardInterrupt:
+            left = "" if self.output.output == _STDOUT else ", and no file is left"
+            say("warning", f"interrupted: the rows are not complete{left}")
+            raise
+
+    def _sink(self, writer: RowWriter) -> Callable[[int, SweepPartial], None]:
+        from kinetostat.report.sweep import row_fields, row_values
+
+        fields = row_fields(self.work)
+
+        def write(_chunk: int, partial: SweepPartial) -> None:
+            block = partial.table
+            assert block is not None
+            numbers = self._numbers(block.start, len(block.q))
+            if not writer.write(numbers, row_values(fields, block.q, block.values)):
+                raise _NobodyReadsError
+
+        return write
+
+    @contextmanager
+    def _row_writer(self) -> Iterator[RowWriter]:
+        from kinetostat.report.json import opening
+        from kinetostat.report.row_files import CsvRows, open_rows
+        from kinetostat.report.sweep import row_fields, rows_about
+
+        fields, path = row_fields(self.work), self.output.output or _STDOUT
+        if path == _STDOUT:
+            with opened(self.output) as write:
+                yield CsvRows(write, fields)
+            return
+        about = rows_about(self.work, opening("sweep.rows", self.model))
+        with open_rows(path, fields, about, self.work.rows) as writer:
+            yield writer
+
+    def _numbers(self, start: int, count: int) -> Any:
+        """Return the numbers of rows, from 1; those of the list that they come from, which may have others between."""
+        import numpy as np
+
+        if self.listed is not None:
+            return self.listed.numbers[start : start + count]
+        return np.arange(start + 1, start + count + 1)
+
+    def say_of_rows(self, result: Sweep) -> None:
+        """Say what was written."""
+        from kinetostat.report.view import certificate_note
+
+        warn(result.warnings)
+        rows = "1 row" if result.count == 1 else f"{result.count} rows"
+        again = f", {result.certified_rows} of them computed again" if result.certified_rows else ""
+        say("note", f"{rows}{again}; {certificate_note(result.certificate)}")
+        _say_rate(result)
+        exit_if_apart(result.certificate, self.model)
+
+    def write_summary(self, result: Sweep) -> None:
+        """Write the summary; exit with 130 if Ctrl-C has left it partial."""
+        from kinetostat.report import sweep as report
+
+        numbers, warnings = None if self.listed is None else self.listed.numbers, list(result.warnings)
+        if not result.complete:
+            warnings.append(f"interrupted: {result.count} of {result.requested} configurations are in the summary")
+        _say_rate(result)
+        write_answer(
+            Answer(
+                "sweep",
+                lambda: report.sweep_view(result, self.at, degrees=self.degrees),
+                lambda: report.sweep_result(result, numbers),
+                self.model,
+                self.at,
+                result.certificate,
+                tuple(warnings),
+            ),
+            self.output,
+        )
+        if not result.complete:
+            raise typer.Exit(_INTERRUPTED)
+
+
+class _NobodyReadsError(Exception):
+    """Standard output was closed by whom it went to."""
+
+
+def _whole(outcome: Outcome[SweepPartial]) -> Outcome[SweepPartial]:
+    """Return an outcome that is complete: a file of some of the rows is none."""
+    if not outcome.complete:
+        raise KeyboardInterrupt
+    return outcome
+
+
+def _say_rate(result: Sweep) -> None:
+    from kinetostat.analysis.sweeping.pace import counted, lasting
+
+    took = lasting(result.seconds) if result.seconds >= 1 else f"{result.seconds:.2g} s"
+    say("note", f"{counted(result.count)} configurations in {took}, {counted(result.rate)} a second")

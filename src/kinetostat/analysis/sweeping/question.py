@@ -1,0 +1,270 @@
+"""From the words of a question to a sweep's work: which configurations, which measures, which kernel; checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from kinetostat.analysis.configuration import checked
+from kinetostat.analysis.coordinates import Coordinates, coordinates
+from kinetostat.analysis.jacobian import labelled
+from kinetostat.analysis.kernels import chain_kernel
+from kinetostat.analysis.loads import Payload, effort_limits
+from kinetostat.analysis.sweeping.certifying import UNCHECKED, row_witness
+from kinetostat.analysis.sweeping.measures import Asked, asked, kernel_outputs, subject
+from kinetostat.analysis.sweeping.samples import Source, grid_source, halton_source, list_source, random_source
+from kinetostat.analysis.sweeping.sweep_work import SweepWork
+from kinetostat.analysis.task import FULL, Task, characteristic_length
+from kinetostat.conventions import Array, Reference
+from kinetostat.engines.model import Model
+from kinetostat.errors import ConfigurationError, UsageError, cut, quote, unknown_name
+from kinetostat.screw.kernel import Kernel
+
+__all__ = ["DEFAULT", "sweep_length", "sweep_work"]
+
+DEFAULT = ("yoshikawa", "minimum_singular_value", "inverse_condition_number")
+_FOR_LENGTH = 4096  # configurations that the characteristic length is the mean of
+_SHORTEST, _LONGEST = 1e-9, 1e9  # m
+_NO_LENGTH = 1e-9  # of the robot's reach
+
+
+def sweep_work(
+    model: Model,
+    frame: str,
+    q: Array,
+    *,
+    samples: int | None = None,
+    low_discrepancy: int | None = None,
+    grid: str | Mapping[str, Sequence[float]] | None = None,
+    configurations: Array | None = None,
+    seed: int = 0,
+    measures: str | Sequence[str] = DEFAULT,
+    relative_to: str | None = None,
+    point: Sequence[float] | None = None,
+    reference: Reference | str = Reference.ALIGNED,
+    axes: str | Sequence[str] | None = None,
+    length: float | Literal["auto", "none"] = "none",
+    gravity: Sequence[float] | Array | bool = True,
+    payload: Payload | None = None,
+    limits: Mapping[str, float | tuple[float, float]] | None = None,
+    below: Mapping[str, float] | None = None,
+    degrees: bool = False,
+    rows: bool = False,
+) -> SweepWork:
+    """Return a sweep as work that `running.run` can do, from the arguments of `sweep`, and with its refusals.
+
+    With `rows`, each chunk brings its rows.
+    """
+    robot, rest, reference = model.robot, checked(model.robot, q), Reference(reference)
+    if rest.ndim != 1:
+        raise UsageError("a sweep holds the joints that it does not move at one configuration")
+    if reference is Reference.WORLD:
+        raise UsageError("a sweep's Jacobians are of the tool point", remedy="reference aligned or local")
+    velocity = labelled(robot, frame, reference, relative_to, None, point)
+    chain = coordinates(model, velocity.of, velocity.relative_to, velocity.point or (0.0, 0.0, 0.0))
+    task = FULL if axes is None else Task.named(axes)
+    size, size_reference = sweep_length(chain, task, length)
+    described = subject(chain, task, scaled=size is not None)
+    wanted = asked(measures, described)
+    if configurations is not None:
+        rest = _rest_of(chain, wanted, configurations, rest)
+    source = _source(chain, rest, samples, low_discrepancy, grid, configurations, seed, degrees=degrees)
+    outputs = kernel_outputs(wanted)
+    if set(outputs) <= set(UNCHECKED):
+        outputs = ("placement", *outputs)  # a chain that is the wrong one is found all the same
+    kernel = chain_kernel(
+        chain,
+        outputs,
+        rest,
+        task=task,
+        local=reference is Reference.LOCAL,
+        gravity=gravity,
+        payload=payload,
+        limits=limits,
+    )
+    warnings = [*_about_limits(chain, source), *_about_efforts(chain, wanted, limits)]
+    if described.unit == "mixed" and {"singular_values", "yoshikawa"} & set(outputs):
+        warnings.append(
+            "m and rad are mixed: such numbers depend on the unit of length (--length auto, or a length in m, makes "
+            "them comparable)"
+        )
+    kernel = _scaled(kernel, chain, task, size)
+    return SweepWork(
+        source,
+        wanted,
+        row_witness(chain, kernel, rest, velocity, source.bounds, payload),
+        reference,
+        task,
+        size,
+        size_reference,
+        _thresholds(wanted, below),
+        seed,
+        rows,
+        tuple(warnings),
+    )
+
+
+def sweep_length(chain: Coordinates, task: Task, wanted: float | str) -> tuple[float | None, str]:
+    """Return the characteristic length of a sweep, one for all configurations, and how it was found.
+
+    "auto": `task.characteristic_length`, sums of squares over 4,096 low-discrepancy configurations inside limits, and
+    so the same whichever configurations are swept.
+
+    Raises:
+        UsageError: it cannot be.
+    """
+    if wanted == "none":
+        return None, "none: metres and radians as they are"
+    if wanted == "auto":
+        matrices = chain.chain.jacobian(halton_source(chain, _FOR_LENGTH).rows(0, _FOR_LENGTH))
+        columns = np.concatenate(list(np.moveaxis(matrices, -1, 0)), axis=0)  # (n m, 6)
+        turning = np.repeat(chain.turning, len(matrices))
+        length = float(characteristic_length(columns.T, list(turning), task))
+        if length <= _NO_LENGTH * chain.model.robot.reach:
+            raise UsageError(
+                "there is no characteristic length: no joint turns, or every axis passes through the point, or no row "
+                "that counts is moved by a turn",
+                remedy="give --length in m, or --length none",
+            )
+        shown = " ".join(task.row_names) if task.mixed and task.name == "task" else "all rows"
+        return length, f"auto: equal weight of linear and angular parts over configurations inside limits ({shown})"
+    try:
+        given = float(wanted)
+    except (TypeError, ValueError):
+        given = math.nan
+    if not _SHORTEST <= given <= _LONGEST:
+        raise UsageError(
+            f"--length is auto, none, or between {_SHORTEST:g} and {_LONGEST:g} m, not {quote(str(wanted))}",
+            remedy="for instance 0.5",
+        )
+    return given, "given"
+
+
+def _scaled(kernel: Kernel, chain: Coordinates, task: Task, length: float | None) -> Kernel:
+    """Return the kernel with rows and columns made comparable by the length where they are not.
+
+    As in `manipulability`: a slide counts as an angle q / L where the task or the columns mix m and rad; linear rows
+    are divided by L where the task does.
+    """
+    if length is None:
+        return kernel
+    mixed_columns = len(set(chain.turning)) > 1
+    return replace(
+        kernel,
+        row_factors=np.array([1 / length] * 3 + [1.0] * 3) if task.mixed else None,
+        column_factors=np.where(chain.turning, 1.0, length) if task.mixed or mixed_columns else None,
+    )
+
+
+def _source(
+    chain: Coordinates,
+    rest: Array,
+    samples: int | None,
+    low_discrepancy: int | None,
+    grid: str | Mapping[str, Sequence[float]] | None,
+    configurations: Array | None,
+    seed: int,
+    *,
+    degrees: bool,
+) -> Source:
+    """Return the configurations that exactly one of the arguments says."""
+    if sum(one is not None for one in (samples, low_discrepancy, grid, configurations)) != 1:
+        raise UsageError(
+            "a sweep has one source of configurations",
+            remedy="samples, low-discrepancy, grid or configurations: exactly one of them",
+        )
+    if samples is not None:
+        return random_source(chain, samples, seed)
+    if low_discrepancy is not None:
+        return halton_source(chain, low_discrepancy, seed)
+    if grid is not None:
+        return grid_source(chain, rest, grid, degrees=degrees)
+    return list_source(chain, np.asarray(configurations))
+
+
+_WEIGHED = {"gravity_torque", "effort_use"}
+
+
+def _rest_of(chain: Coordinates, wanted: Sequence[Asked], configurations: Array, rest: Array) -> Array:
+    """Return where joints outside the chain are in all given configurations of the whole robot.
+
+    Raises:
+        UsageError: one of them moves, and weight counts.
+    """
+    q = np.asarray(configurations, dtype=np.float64)
+    if q.ndim != 2 or q.shape[1] != len(rest):
+        raise ConfigurationError(f"configurations have the shape (m, {len(rest)}) here, not {q.shape}")
+    outside = [i for i in range(len(rest)) if i not in chain.indices]
+    if not len(q) or not outside:
+        return rest
+    moving = [i for i in outside if np.any(q[:, i] != q[0, i])]
+    if not moving:
+        return checked(chain.model.robot, q[0])
+    weighed = [one.name for one in wanted if _WEIGHED & set(one.measure.outputs)]
+    if weighed:
+        name = chain.model.robot.position_names[moving[0]]
+        raise UsageError(
+            f"{weighed[0]} depends on {quote(name)}, which the configurations move but which does not move the frame",
+            remedy="name a frame that all of them move, or leave the measure out",
+        )
+    return rest
+
+
+def _thresholds(wanted: Sequence[Asked], below: Mapping[str, float] | None) -> tuple[tuple[float, ...], ...]:
+    """Return the thresholds of each column that has a distribution."""
+    columns = [column for one in wanted if one.measure.summary for column in one.columns]
+    given = dict(below or {})
+    for name, threshold in given.items():
+        if name not in {column.name for column in columns}:
+            raise unknown_name("measured column", name, [column.name for column in columns])
+        if not math.isfinite(threshold):
+            raise UsageError(f"a threshold is a finite number, not {threshold}")
+    return tuple((float(given[column.name]),) if column.name in given else () for column in columns)
+
+
+def _about_limits(chain: Coordinates, source: Source) -> list[str]:
+    """Return what is to be said of limits: slides that cannot move, angles and slides that have none."""
+    if source.kind not in ("random", "low-discrepancy"):
+        return []
+    (low, high), (lower, upper) = chain.stated_limits, chain.limits
+    named = list(zip(chain.names, chain.turning, low, high, lower, upper, strict=True))
+    locked = [name for name, turns, a, b, c, d in named if not turns and b - a < d - c]
+    missing = [
+        f"{cut(name)} ({c:.4g} to {d:.4g} {'rad' if turns else 'm'})"
+        for name, turns, a, b, c, d in named
+        if not (a >= c and b <= d)
+    ]
+    warnings = []
+    if locked:
+        warnings.append(
+            f"joint {quote(locked[0])} cannot move within its limits, and is swept 0.5 m to either side"
+            + (f" (and {len(locked) - 1} more)" if len(locked) > 1 else "")
+        )
+    if missing:
+        more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
+        warnings.append(f"no limits, so swept: {', '.join(missing[:3])}{more}")
+    return warnings
+
+
+def _about_efforts(
+    chain: Coordinates, wanted: Sequence[Asked], limits: Mapping[str, float | tuple[float, float]] | None
+) -> list[str]:
+    """Return which joints have no effort limit, where that counts.
+
+    Raises:
+        UsageError: none has one.
+    """
+    if not any("effort_use" in one.measure.outputs for one in wanted):
+        return []
+    known = effort_limits(chain.model.robot, limits)
+    lost = [name for joint in dict.fromkeys(chain.joints) for name in joint.velocity_names if name in known.missing]
+    if len(lost) == len(chain.names):
+        known.refuse(lost, "effort_use")
+    if not lost:
+        return []
+    more = f" and {len(lost) - 3} more" if len(lost) > 3 else ""
+    return [f"no effort limit of {', '.join(map(quote, lost[:3]))}{more} (--effort-limits gives them)"]

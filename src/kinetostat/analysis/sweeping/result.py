@@ -1,0 +1,163 @@
+"""What a sweep has found: how each measure is distributed, where it is smallest and largest, with a certificate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from kinetostat.analysis.crosscheck import Certificate
+from kinetostat.analysis.sweeping.accumulators import ACCURACY, Histogram, Tally
+from kinetostat.analysis.sweeping.chunks import Chunks
+from kinetostat.analysis.sweeping.measures import Column
+from kinetostat.analysis.task import Task
+from kinetostat.conventions import Array, Reference, Velocity
+from kinetostat.errors import quote
+
+__all__ = ["NEAR_SINGULAR", "QUANTILES", "Below", "Distribution", "Extreme", "Sweep"]
+
+NEAR_SINGULAR = 1e-3  # inverse condition number: three digits of a joint rate, or of a force, are lost
+QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """Where a measure is smallest or largest.
+
+    Attributes:
+        value: the measure there.
+        row: which of the configurations it is, from 0.
+        q: the chain's coordinates there. (n,).
+        configuration: the whole robot's. (nq,).
+    """
+
+    value: float
+    row: int
+    q: Array = field(compare=False)
+    configuration: Array = field(compare=False)
+
+
+@dataclass(frozen=True, repr=False)
+class Distribution:
+    """How a measure is distributed over the configurations.
+
+    Attributes:
+        column: which measure, and its unit.
+        tally: all that is known of its numbers.
+        minimum: where it is smallest, None where there is no number.
+        maximum: where it is largest.
+    """
+
+    column: Column
+    tally: Tally
+    minimum: Extreme | None
+    maximum: Extreme | None
+    accuracy: float = ACCURACY
+
+    def __repr__(self) -> str:
+        return f"<Distribution of {self.column.name}: {self.count} numbers>"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the measure."""
+        return self.column.unit
+
+    @property
+    def count(self) -> int:
+        """How many configurations have a number."""
+        return self.tally.count
+
+    @property
+    def invalid(self) -> int:
+        """How many have none (NaN): a gradient at a kink, the effort use of a joint without a limit."""
+        return self.tally.invalid
+
+    @property
+    def mean(self) -> float:
+        """The mean; NaN where there is no number."""
+        return self.tally.mean
+
+    @cached_property
+    def quantiles(self) -> dict[float, float]:
+        """The order statistics at `QUANTILES`, with a relative error of `accuracy` at most."""
+        return dict(zip(QUANTILES, self.tally.quantiles(list(QUANTILES)), strict=True))
+
+    def quantile(self, share: float) -> float:
+        """Return the number that a share of all are not above, with a relative error of `accuracy` at most."""
+        return self.tally.quantile(share)
+
+    def histogram(self, bins: int = 20) -> Histogram:
+        """Return counts over bins of equal width between the extremes."""
+        return self.tally.histogram(bins)
+
+
+@dataclass(frozen=True)
+class Below:
+    """How many configurations have a measure below a threshold, and which share of those that are done."""
+
+    column: Column
+    threshold: float
+    count: int
+    share: float
+
+
+@dataclass(frozen=True, repr=False)
+class Sweep:
+    """Measures of many configurations of a frame.
+
+    Attributes:
+        velocity: of which frame and point, relative to which observer, expressed in which axes.
+        reference: the shorthand that it was asked by.
+        task: the rows that count.
+        source_kind: random, low-discrepancy, grid or list.
+        source_label: the same in a phrase.
+        seed: of random configurations.
+        requested: how many configurations were asked for.
+        count: how many were done.
+        complete: whether they are all.
+        names: names of the chain's coordinates.
+        units: rad or m of each.
+        rest: where all other joints are, (nq,).
+        length: the characteristic length L in m, or None if metres and radians are mixed as they are.
+        length_reference: how L was found.
+        measures: each column's distribution, by the column's name.
+        near_singular_share: share of configurations with an inverse condition number below `near_singular_below`; None
+            where no measure needs singular values.
+        below: shares below the thresholds that were given.
+        certificate: what the two engines say of the rows that both computed: of the output nearest to its tolerance.
+        certificates: the same for each of the kernel's outputs.
+        certified_rows: how many rows that were.
+        done: which chunks are done.
+        seconds: how long it took.
+        rate: configurations a second.
+        warnings: what is to be said of it.
+    """
+
+    velocity: Velocity
+    reference: Reference
+    task: Task
+    source_kind: str
+    source_label: str
+    seed: int
+    requested: int
+    count: int
+    complete: bool
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    rest: Array
+    length: float | None
+    length_reference: str
+    measures: dict[str, Distribution]
+    near_singular_share: float | None
+    below: tuple[Below, ...]
+    certificate: Certificate
+    certificates: dict[str, Certificate]
+    certified_rows: int
+    done: Chunks
+    seconds: float
+    rate: float
+    warnings: tuple[str, ...] = ()
+    near_singular_below: float = NEAR_SINGULAR
+
+    def __repr__(self) -> str:
+        state = "" if self.complete else f" of {self.requested}"
+        return f"<Sweep of {quote(self.velocity.of)}: {self.count}{state} configurations>"

@@ -1,0 +1,287 @@
+"""A sweep as work: what a chunk of configurations gives, how that adds up, and the answer that it makes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from kinetostat.analysis.coordinates import Coordinates
+from kinetostat.analysis.crosscheck import Certificate, combined
+from kinetostat.analysis.indices import inverse_condition_number
+from kinetostat.analysis.sweeping.accumulators import Integers, Peak, State, Tally
+from kinetostat.analysis.sweeping.certifying import RowWitness
+from kinetostat.analysis.sweeping.digest import digest
+from kinetostat.analysis.sweeping.measures import Asked, Column
+from kinetostat.analysis.sweeping.result import NEAR_SINGULAR, Below, Distribution, Extreme, Sweep
+from kinetostat.analysis.sweeping.running import Outcome
+from kinetostat.analysis.sweeping.samples import BLOCK, Source
+from kinetostat.analysis.task import Task
+from kinetostat.conventions import Array, Reference
+from kinetostat.screw.kernel import Kernel
+
+__all__ = ["RowBlock", "SweepPartial", "SweepWork"]
+
+_CHECKED = 4  # rows of each chunk that Pinocchio computes again
+_CHECKING_SEED = 0x5EED
+_VERSION = 1  # of what a partial result means: a checkpoint of another is refused
+
+
+@dataclass(frozen=True, repr=False)
+class RowBlock:
+    """Some rows of a sweep: the number of the first, coordinates (m, n), and the measures' columns (m, c)."""
+
+    start: int
+    q: Array
+    values: Array
+
+
+@dataclass(frozen=True, repr=False)
+class SweepPartial:
+    """What is known of some chunks.
+
+    Attributes:
+        rows: how many configurations they have.
+        tallies: of each column that has a distribution.
+        near_singular: how many have an inverse condition number below `NEAR_SINGULAR`.
+        checked: how many Pinocchio computed again.
+        differences: of each output that was compared, the largest difference and its row.
+        table: the rows, of one chunk alone, if they are asked for.
+    """
+
+    rows: int = 0
+    tallies: tuple[Tally, ...] = ()
+    near_singular: int = 0
+    checked: int = 0
+    differences: tuple[Peak | None, ...] = ()
+    table: RowBlock | None = None
+
+    def merged(self, other: SweepPartial) -> SweepPartial:
+        """Return what is known of the chunks of both; tables are left behind."""
+        return SweepPartial(
+            self.rows + other.rows,
+            tuple(a.merged(b) for a, b in zip(self.tallies, other.tallies, strict=True)),
+            self.near_singular + other.near_singular,
+            self.checked + other.checked,
+            tuple(_larger(a, b) for a, b in zip(self.differences, other.differences, strict=True)),
+        )
+
+    def state(self) -> State:
+        """Return all of it but the table as plain arrays by name."""
+        peaks = [peak or Peak(math.nan, -1) for peak in self.differences]
+        state: State = {
+            "counts": np.array([self.rows, self.near_singular, self.checked]),
+            "differences": np.array([peak.value for peak in peaks], dtype=np.float64),
+            "difference_rows": np.array([peak.row for peak in peaks], dtype=np.int64),
+        }
+        for i, tally in enumerate(self.tallies):
+            state |= {f"{i}.{name}": part for name, part in tally.state().items()}
+        return state
+
+
+def _larger(a: Peak | None, b: Peak | None) -> Peak | None:
+    return b if a is None else a.better(b, 1)
+
+
+@dataclass(frozen=True, repr=False)
+class SweepWork:
+    """A sweep as chunks of 65,536 configurations; see `sweeping.work`.
+
+    Attributes:
+        source: the configurations.
+        asked: the measures.
+        witness: the chain, the kernel, and who computes rows again.
+        reference: in whose axes rows are: aligned or local.
+        task: the rows that count.
+        length: the characteristic length in m, or None.
+        length_reference: how it was found.
+        below: the thresholds of each column that has a distribution.
+        seed: of random configurations.
+        with_rows: whether each chunk brings its table.
+        warnings: what is to be said of the question.
+    """
+
+    source: Source
+    asked: tuple[Asked, ...]
+    witness: RowWitness
+    reference: Reference
+    task: Task
+    length: float | None
+    length_reference: str
+    below: tuple[tuple[float, ...], ...]
+    seed: int
+    with_rows: bool = False
+    warnings: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<SweepWork: {self.rows} configurations in {self.chunks} chunks>"
+
+    @property
+    def coordinates(self) -> Coordinates:
+        """The chain."""
+        return self.witness.coordinates
+
+    @property
+    def kernel(self) -> Kernel:
+        """What computes the rows."""
+        return self.witness.kernel
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns of all measures in order: those of a table."""
+        return tuple(column for one in self.asked for column in one.columns)
+
+    @property
+    def summed(self) -> tuple[Column, ...]:
+        """Those that have a distribution."""
+        return tuple(column for one in self.asked if one.measure.summary for column in one.columns)
+
+    @property
+    def rows(self) -> int:
+        """How many configurations there are."""
+        return self.source.count
+
+    @property
+    def chunks(self) -> int:
+        """How many chunks there are."""
+        return -(-self.rows // BLOCK)
+
+    @cached_property
+    def digest(self) -> str:
+        """What identifies the question."""
+        parts = (self.asked, self.kernel, self.witness.rest, self.witness.velocity, self.witness.tolerances)
+        text = self.coordinates.model.loaded.text
+        return digest(
+            _VERSION, BLOCK, text, self.source, *parts, self.below, _CHECKED, self.coordinates.model.crosscheck
+        )
+
+    def size(self, chunk: int) -> int:
+        """Return how many configurations a chunk has."""
+        return min(BLOCK, self.rows - chunk * BLOCK)
+
+    def empty(self) -> SweepPartial:
+        """Return what is known of no chunk."""
+        return SweepPartial(
+            tallies=tuple(Tally(below=(0,) * len(levels)) for levels in self.below),
+            differences=(None,) * len(self.witness.tolerances),
+        )
+
+    def restore(self, state: State) -> SweepPartial:
+        """Return the partial result whose `state()` this is."""
+        rows, near, checked_rows = map(int, state["counts"])
+        tallies = []
+        for i in range(len(self.below)):
+            own = {name.partition(".")[2]: part for name, part in state.items() if name.startswith(f"{i}.")}
+            tallies.append(Tally.restored(own))
+        pairs = zip(state["differences"], state["difference_rows"], strict=True)
+        peaks = tuple(Peak(float(value), int(row)) if row >= 0 else None for value, row in pairs)
+        return SweepPartial(rows, tuple(tallies), near, checked_rows, peaks)
+
+    def compute(self, chunk: int) -> SweepPartial:
+        """Return what a chunk gives."""
+        start = chunk * BLOCK
+        q = self.source.rows(start, start + self.size(chunk))
+        outputs = self.kernel(q)
+        values = [one.values(outputs) for one in self.asked]
+        summed = [row for one, part in zip(self.asked, values, strict=True) if one.measure.summary for row in part]
+        near = 0
+        if "singular_values" in outputs:
+            near = int(np.count_nonzero(inverse_condition_number(outputs["singular_values"]) < NEAR_SINGULAR))
+        rows = self._sample(chunk)
+        table = RowBlock(start, q, np.concatenate(values).T) if self.with_rows else None
+        return SweepPartial(
+            len(q),
+            tuple(Tally.of(row, start, levels) for row, levels in zip(summed, self.below, strict=True)),
+            near,
+            len(rows),
+            self._differences(q, outputs, rows, start),
+            table,
+        )
+
+    def _sample(self, chunk: int) -> Integers:
+        """Return which rows of a chunk are computed again, ascending."""
+        if not self.coordinates.model.crosscheck:
+            return np.zeros(0, dtype=np.int64)
+        stream = np.random.Generator(np.random.Philox(key=_CHECKING_SEED, counter=[0, 0, chunk, 0]))
+        return np.unique(stream.integers(self.size(chunk), size=_CHECKED))
+
+    def _differences(self, q: Array, outputs: dict[str, Array], rows: Integers, start: int) -> tuple[Peak | None, ...]:
+        """Return the largest difference of each output, and its row, over some rows of a chunk."""
+        if not len(rows):
+            return (None,) * len(self.witness.tolerances)
+        some = {name: outputs[name][rows] for name in self.witness.tolerances}
+        found = self.witness.differences(q[rows], some)
+        worst = ((float(each[i]), start + int(rows[i])) for each in found.values() for i in [int(np.argmax(each))])
+        return tuple(Peak(value, row) for value, row in worst)
+
+    def result(self, outcome: Outcome[SweepPartial]) -> Sweep:
+        """Return the answer of a run, complete or not. The extremes are computed again by Pinocchio, too."""
+        partial, chain, rest = outcome.partial, self.coordinates, self.witness.rest
+        measures = {}
+        for column, tally in zip(self.summed, partial.tallies, strict=True):
+            low, high = (None if peak is None else self._extreme(peak) for peak in (tally.minimum, tally.maximum))
+            measures[column.name] = Distribution(column, tally, low, high)
+        partial = self._with_extremes(partial)
+        certificates = self._certificates(partial)
+        level = [
+            Below(column, threshold, count, count / partial.rows if partial.rows else math.nan)
+            for column, tally, levels in zip(self.summed, partial.tallies, self.below, strict=True)
+            for threshold, count in zip(levels, tally.below, strict=True)
+        ]
+        known = "singular_values" in self.kernel.outputs and partial.rows > 0
+        return Sweep(
+            self.witness.velocity,
+            self.reference,
+            self.task,
+            self.source.kind,
+            self.source.label,
+            self.seed,
+            self.rows,
+            partial.rows,
+            outcome.complete,
+            chain.names,
+            tuple("rad" if turns else "m" for turns in chain.turning),
+            rest,
+            self.length,
+            self.length_reference,
+            measures,
+            partial.near_singular / partial.rows if known else None,
+            tuple(level),
+            combined(list(certificates.values())),
+            certificates,
+            partial.checked,
+            outcome.done,
+            outcome.seconds,
+            outcome.rate,
+            (*self.warnings, *outcome.warnings),
+        )
+
+    def _extreme(self, peak: Peak) -> Extreme:
+        q = self.source.rows(peak.row, peak.row + 1)[0].copy()
+        return Extreme(peak.value, peak.row, q, self.coordinates.configuration(q, self.witness.rest))
+
+    def _with_extremes(self, partial: SweepPartial) -> SweepPartial:
+        """Return the partial result with the rows of all extremes computed again."""
+        ends = {peak.row for tally in partial.tallies for peak in (tally.minimum, tally.maximum) if peak is not None}
+        if not ends or not self.coordinates.model.crosscheck:
+            return partial
+        rows = sorted(ends)
+        q = np.concatenate([self.source.rows(row, row + 1) for row in rows])
+        found = self._differences(q, self.kernel(q), np.arange(len(rows)), 0)
+        own = tuple(None if peak is None else Peak(peak.value, rows[peak.row]) for peak in found)
+        pairs = zip(partial.differences, own, strict=True)
+        return replace(partial, checked=partial.checked + len(rows), differences=tuple(_larger(a, b) for a, b in pairs))
+
+    def _certificates(self, partial: SweepPartial) -> dict[str, Certificate]:
+        """Return what the engines say of each output; both results of the worst row where they disagree."""
+        found = {}
+        for name, peak in zip(self.witness.tolerances, partial.differences, strict=True):
+            certificate = self.witness.certificate(name, None if peak is None else peak.value)
+            if peak is not None and certificate.agree is False:
+                q = self.source.rows(peak.row, peak.row + 1)
+                values = (self.witness.again(q)[name][0], self.kernel(q)[name][0])
+                certificate = self.witness.certificate(name, peak.value, values)
+            found[name] = certificate
+        return found

@@ -1,0 +1,324 @@
+"""Trajectories to a view and to JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kinetostat.analysis.trajectory.extremes import Extreme, extremes
+from kinetostat.analysis.trajectory.near import MOST_CAUSES
+from kinetostat.conventions import Reference
+from kinetostat.errors import cut
+from kinetostat.report.json import number
+from kinetostat.report.singular import condition_words
+from kinetostat.report.trajectory_rows import FileRows, sample_arrays
+from kinetostat.report.view import Cell, Table, View, configuration_note, velocity_label
+
+if TYPE_CHECKING:
+    from kinetostat.analysis.configuration import Configuration
+    from kinetostat.analysis.singular.at import SingularAt
+    from kinetostat.analysis.trajectory.near import NearSpan
+    from kinetostat.analysis.trajectory.trajectory import Trajectory
+    from kinetostat.analysis.trajectory.violations import Violation
+
+__all__ = ["trajectory_result", "trajectory_view"]
+
+_MOST = 20  # stretches that a table lists
+_NOISE = 1e-12  # what is left of a zero
+_FEW = 6  # joints that a line names
+_LABELS = {
+    "yoshikawa": "Yoshikawa",
+    "minimum_singular_value": "smallest singular value",
+    "inverse_condition_number": "smallest / largest",
+    "limit_distance": "distance to a limit",
+    "tool_speed": "tool speed",
+    "turning_speed": "tool turning",
+    "speed_use": "velocity limit used",
+    "effort_use": "effort limit used",
+}
+_SHARES = ("speed_use", "effort_use", "limit_distance")
+
+
+def trajectory_view(result: Trajectory, rows: FileRows, at: Configuration, *, degrees: bool) -> View:
+    """Return the view: how long, the worst moments, stretches near singularities with causes, and beyond limits."""
+    return View(
+        f"trajectory {velocity_label(result.velocity)}",
+        (
+            _facts(result, rows),
+            _extremes_table(result, rows, degrees),
+            *_near_tables(result, rows, degrees),
+            *_violations_table(result, rows, degrees),
+        ),
+        tuple(_notes(result, at, degrees)),
+    )
+
+
+# --- in words --------------------------------------------------------------------------------------------------
+
+
+def _when(result: Trajectory, rows: FileRows, sample: int) -> str:
+    """Return when a sample is, in as many digits as tell it from the next; or its row where there is no time."""
+    if result.time is None:
+        return f"row {int(rows.numbers[sample])}"
+    digits = math.ceil(-math.log10(float(np.min(np.diff(result.time)))) - 0.01)
+    return f"{float(result.time[sample]):.{min(max(digits, 0), 9)}f} s"
+
+
+def _shown(value: float, unit: str, degrees: bool) -> str:
+    """Return a number with its unit; angles in degrees if they are asked for."""
+    if degrees and unit.startswith("rad"):
+        value, unit = math.degrees(value), unit.replace("rad", "deg", 1)
+    return f"{value:.4g} {unit}".rstrip()
+
+
+# --- tables ----------------------------------------------------------------------------------------------------
+
+
+def _facts(result: Trajectory, rows: FileRows) -> Table:
+    left = f" of {rows.count} rows, {len(rows.bad)} left out" if rows.bad else ""
+    found: list[tuple[Cell, ...]] = [("samples", f"{len(result.q)}{left}")]
+    if result.time is not None:
+        steps = np.diff(result.time)
+        span = f"{_when(result, rows, 0)} to {_when(result, rows, -1)}"
+        found.append(("time", f"{span}, steps of {float(steps.min()):.4g} to {float(steps.max()):.4g} s"))
+    path = float(np.sum(np.linalg.norm(np.diff(result.at.position, axis=0), axis=-1)))
+    found.append(("path of the tool point", f"{path:.5g} m"))
+    arm = result.mechanism
+    counting = "all six" if len(arm.task.rows) == 6 else " ".join(arm.task.row_names)
+    if result.length is not None:
+        counting += f"; lengths in units of {result.length:.4g} m"
+    elif "mixed" in result.unit:
+        counting += "; metres and radians are mixed"
+    found.append(("rows that count", counting))
+    share = f" ({100 * result.near_share:.3g} % of the samples)" if result.spans else ""
+    near = f"in {len(result.spans)} stretch{'es' if len(result.spans) > 1 else ''}{share}"
+    found.append(("near singular", near if result.spans else f"never: smallest / largest is {result.near:g} or more"))
+    kinds = [f"{sum(v.kind == k for v in result.violations)} of {k}" for k in ("position", "velocity", "effort")]
+    told = [kind for kind in kinds if not kind.startswith("0")]
+    found.append(("beyond limits", f"stretches: {', '.join(told)}" if told else "never"))
+    return Table(("", ""), tuple(found), words=True)
+
+
+def _extremes_table(result: Trajectory, rows: FileRows, degrees: bool) -> Table:
+    found = [_extreme_row(result, rows, one, degrees) for one in extremes(result)]
+    return Table(("", "", "value", "at", "joint"), tuple(found), title="worst moments", words=True)
+
+
+def _extreme_row(result: Trajectory, rows: FileRows, one: Extreme, degrees: bool) -> tuple[Cell, ...]:
+    value = f"{100 * one.value:.4g} %" if one.measure in _SHARES else _shown(one.value, one.unit, degrees)
+    side = "max" if one.largest else "min"
+    return (_LABELS[one.measure], side, value, _when(result, rows, one.sample), cut(one.joint or ""))
+
+
+def _near_tables(result: Trajectory, rows: FileRows, degrees: bool) -> list[Table]:
+    """Return the stretches near a singularity: those whose causes are known, if there are many; and the causes."""
+    spans = [span for span in result.spans if span.sought]
+    if not spans:
+        return []
+    found: list[tuple[Cell, ...]] = [
+        (
+            str(i),
+            _when(result, rows, span.first),
+            _when(result, rows, span.last),
+            _when(result, rows, span.worst),
+            f"{span.inverse_condition_number:.2g}" if span.inverse_condition_number > _NOISE else "0",
+            "-" if span.cause is None else span.cause.name or "no name",
+            _cost(result, span, degrees),
+        )
+        for i, span in enumerate(spans, start=1)
+    ]
+    many = f"; the {MOST_CAUSES} deepest of {len(result.spans)}" if len(result.spans) > len(spans) else ""
+    title = f"near singular: smallest / largest singular value below {result.near:g}{many}"
+    header = ("", "from", "to", "worst at", "ratio", "name", "to go there the hardest way takes")
+    return [Table(header, tuple(found), title=title, words=True), _why_table(result, spans, degrees)]
+
+
+def _why_table(result: Trajectory, spans: Sequence[NearSpan], degrees: bool) -> Table:
+    """Return the causes, each with the numbers of the stretches that it is about, and how far they stay from it."""
+    numbers: dict[str, list[int]] = {}
+    for i, span in enumerate(spans, start=1):
+        numbers.setdefault(_why(span, degrees), []).append(i)
+    found: list[tuple[Cell, ...]] = []
+    for why, about in numbers.items():
+        known = [span.distance for i in about if (span := spans[i - 1]).distance is not None]
+        away = "" if not known else f"; {_shown(min(known), 'rad', degrees)} away at least" if min(known) > 0 else ""
+        found.append((f"{', '.join(map(str, about))}: {why}{away}",))
+    slides = "" if all(result.mechanism.turning) else " (slides in units of the arm's length)"
+    return Table(("",), tuple(found), title=f"why{slides}", words=True)
+
+
+def _why(span: NearSpan, degrees: bool) -> str:
+    """Return the cause of a stretch in words."""
+    if span.cause is None:
+        return "no singular configuration was found nearby"
+    parts = [_condition(span.cause, degrees), *(cause.text for cause in span.cause.causes[:2])]
+    return ", ".join(part for part in parts if part) or "motions are dependent"
+
+
+def _condition(cause: SingularAt, degrees: bool) -> str:
+    """Return the positions of joints that make it singular by themselves."""
+    arm = cause.mechanism
+    words = [
+        condition_words(arm, one.positions, tuple(one.positions), len(one.positions), degrees=degrees)
+        for one in cause.conditions
+    ]
+    return " or ".join(words)
+
+
+def _cost(result: Trajectory, span: NearSpan, degrees: bool) -> str:
+    """Return which joint's rate would be the largest share of its limit, if the tool went the hardest way."""
+    unit = result.speed_unit
+    speed = _shown(span.speed, unit, degrees) if unit else f"{span.speed:.4g}"
+    if not np.all(np.isfinite(span.needed)):
+        return f"at {speed}: what no joint gives"
+    joint, limit = _most_needed(result, span)
+    turns = "rad/s" if result.mechanism.turning[joint] else "m/s"
+    stated = f", limit {_shown(limit, turns, degrees)}" if math.isfinite(limit) else ""
+    rate = _shown(abs(float(span.needed[joint])), turns, degrees)
+    return f"at {speed}: {rate} of {cut(result.columns[joint])}{stated}"
+
+
+def _most_needed(result: Trajectory, span: NearSpan) -> tuple[int, float]:
+    """Return the joint that needs most of its limit (or the fastest, where none has one), and its limit."""
+    limits = result.speed_limits[: len(span.needed)]
+    sizes = np.abs(span.needed)
+    shares = sizes / limits
+    joint = int(np.argmax(sizes) if np.all(np.isnan(shares)) else np.nanargmax(shares))
+    return joint, float(limits[joint])
+
+
+def _violations_table(result: Trajectory, rows: FileRows, degrees: bool) -> list[Table]:
+    if not result.violations:
+        return []
+    found: list[tuple[Cell, ...]] = [
+        (
+            one.kind,
+            _when(result, rows, one.first),
+            _when(result, rows, one.last),
+            _when(result, rows, one.worst),
+            _shown(one.value, one.unit, degrees),
+            _shown(one.limit, one.unit, degrees),
+            cut(one.joint),
+        )
+        for one in result.violations[:_MOST]
+    ]
+    many = f"; the first {_MOST} of {len(result.violations)}" if len(result.violations) > _MOST else ""
+    header = ("limit of", "from", "to", "worst at", "value", "limit", "joint")
+    return [Table(header, tuple(found), title=f"beyond limits{many}", words=True)]
+
+
+def _notes(result: Trajectory, at: Configuration, degrees: bool) -> list[str]:
+    notes = []
+    if result.time is None:
+        notes.append("without time: nothing is said of velocities")
+    else:
+        notes.append(
+            "rates are differences of samples (three points, on the times as they are); a velocity beyond its limit is "
+            "the mean of a step"
+        )
+    if result.at.torque is not None:
+        notes.append("efforts are static: weights alone, and nothing that accelerations take")
+    if result.unwound:
+        some = ", ".join(cut(name) for name in result.unwound[:_FEW])
+        more = f" and {len(result.unwound) - _FEW} more" if len(result.unwound) > _FEW else ""
+        notes.append(f"written into one turn, and continued by the shorter way: {some}{more}")
+    if result.mechanism.generic_rank < result.at.singular_values.shape[-1]:
+        notes.append(f"indices are of the {result.mechanism.generic_rank} singular values that are not always zero")
+    if 0 < result.computed < len(result.q):
+        notes.append(f"computed by both engines: {result.computed} of {len(result.q)} samples; all by the kernel")
+    return [*notes, f"joints that the file does not name: {configuration_note(at, degrees)}"]
+
+
+# --- JSON ------------------------------------------------------------------------------------------------------
+
+
+def trajectory_result(result: Trajectory, rows: FileRows) -> dict[str, Any]:
+    """Return the result object of `trajectory`: SI units and radians; samples are told by the rows of the file."""
+    arm, velocity, time = result.mechanism, result.velocity, result.time
+    payload: dict[str, Any] = {
+        "frame": velocity.of,
+        "relative_to": velocity.relative_to,
+        "reference": (Reference.LOCAL if arm.local else Reference.ALIGNED).value,
+        "expressed_in": velocity.expressed_in,
+        "point": list(arm.point),
+        "rows": list(arm.task.row_names),
+        "columns": list(result.columns),
+        "column_units": ["rad" if turns else "m" for turns in result.joints.turning],
+        "generic_rank": arm.generic_rank,
+        "characteristic_length": result.length,
+        "singular_value_unit": result.unit,
+        "samples": len(result.q),
+        "rows_read": rows.count,
+        "bad_rows": [{"row": one.row, "line": one.line, "reason": one.reason} for one in rows.bad],
+        "time": None if time is None else {"start": float(time[0]), "end": float(time[-1])},
+        "computed_by_both_engines": result.computed,
+        "unwound": list(result.unwound),
+        "extremes": {one.measure: _extreme_json(result, rows, one) for one in extremes(result)},
+        "near_singular": {
+            "threshold": result.near,
+            "share": result.near_share,
+            "spans": [_span_json(result, rows, span) for span in result.spans],
+        },
+        "violations": [_violation_json(result, rows, one) for one in result.violations],
+        "timeline": sample_arrays(result, rows),
+    }
+    if time is None:
+        payload["time_reason"] = "the file has no column of time, or one sample"
+    if result.length is None:
+        payload["characteristic_length_reason"] = "rows and columns have one unit each, or none was asked for"
+    return payload
+
+
+def _place(result: Trajectory, rows: FileRows, sample: int) -> dict[str, Any]:
+    """Return where a sample is: its row, and its time if there is one."""
+    place: dict[str, Any] = {"row": int(rows.numbers[sample])}
+    return place if result.time is None else place | {"time": float(result.time[sample])}
+
+
+def _extreme_json(result: Trajectory, rows: FileRows, one: Extreme) -> dict[str, Any]:
+    found = {"kind": "maximum" if one.largest else "minimum", "value": one.value, "unit": one.unit}
+    return found | _place(result, rows, one.sample) | ({"joint": one.joint} if one.joint else {})
+
+
+def _span_json(result: Trajectory, rows: FileRows, span: NearSpan) -> dict[str, Any]:
+    names = result.columns[: len(span.needed)]
+    needed = {name: number(float(rate)) for name, rate in zip(names, span.needed, strict=True)}
+    payload: dict[str, Any] = {
+        "first": _place(result, rows, span.first),
+        "last": _place(result, rows, span.last),
+        "worst": _place(result, rows, span.worst),
+        "inverse_condition_number": span.inverse_condition_number,
+        "minimum_singular_value": span.minimum_singular_value,
+        "distance": span.distance,
+        "cause": None,
+        "needed": {"speed": span.speed, "unit": result.speed_unit, "rates": needed},
+    }
+    if span.cause is None:
+        payload["cause_reason"] = "none was found nearby" if span.sought else f"the {MOST_CAUSES} deepest have causes"
+    else:
+        payload["cause"] = {
+            "name": span.cause.name,
+            "kind": span.cause.kind,
+            "conditions": [{"positions": c.positions, "name": c.name} for c in span.cause.conditions],
+            "causes": [{"text": c.text, "joints": list(c.joints)} for c in span.cause.causes],
+        }
+    if not np.all(np.isfinite(span.needed)):
+        payload["needed"]["reason"] = "null: infinite, the configuration is singular"
+    return payload
+
+
+def _violation_json(result: Trajectory, rows: FileRows, one: Violation) -> dict[str, Any]:
+    return {
+        "joint": one.joint,
+        "kind": one.kind,
+        "first": _place(result, rows, one.first),
+        "last": _place(result, rows, one.last),
+        "worst": _place(result, rows, one.worst),
+        "value": one.value,
+        "limit": one.limit,
+        "excess": one.excess,
+        "unit": one.unit,
+    }

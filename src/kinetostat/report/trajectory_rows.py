@@ -1,0 +1,144 @@
+"""The samples of a trajectory as columns: a row out for each row of the file, as CSV; and as arrays for JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from kinetostat.analysis.indices import powered
+from kinetostat.conventions import TWIST_ROWS, TWIST_UNITS, Array
+from kinetostat.report import csv
+from kinetostat.report.json import nested
+
+if TYPE_CHECKING:
+    from kinetostat.analysis.trajectory.trajectory import Trajectory
+
+__all__ = ["BadRow", "FileRows", "sample_arrays", "sample_lines"]
+
+_AT_ONCE = 4096  # rows that are Python objects at one time
+_POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
+
+
+@dataclass(frozen=True)
+class BadRow:
+    """A row of a file that cannot be used: its number, its line (None: the file has no lines), and why."""
+
+    row: int
+    line: int | None
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{f'row {self.row}' if self.line is None else f'line {self.line}'}: {self.reason}"
+
+
+@dataclass(frozen=True)
+class FileRows:
+    """The rows of a file that samples come from.
+
+    Attributes:
+        numbers: of each sample, from 1, increasing. (m,).
+        count: how many rows the file has.
+        bad: those that were left out.
+    """
+
+    numbers: npt.NDArray[np.int64]
+    count: int
+    bad: tuple[BadRow, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Group:
+    """An array of all samples: its name, the names of its columns and their units."""
+
+    name: str
+    columns: tuple[str, ...]
+    units: tuple[str, ...]
+    values: Array
+
+
+def _groups(result: Trajectory) -> list[_Group]:
+    """Return the arrays of all samples, (m, k) each."""
+    names, turning = result.columns, result.joints.turning
+    lengths = tuple("rad" if turns else "m" for turns in turning)
+    index = np.stack([result.yoshikawa, result.minimum_singular_value, result.inverse_condition_number], axis=-1)
+    indices = ("yoshikawa", "minimum_singular_value", "inverse_condition_number")
+    unit, product = result.unit, powered(result.unit, result.mechanism.generic_rank)
+    index_units = tuple("" if one == "1" else one for one in (product, unit, "1"))
+
+    def of_joints(name: str, units: Sequence[str], values: Array | None) -> list[_Group]:
+        return [] if values is None else [_Group(name, tuple(f"{name}.{j}" for j in names), tuple(units), values)]
+
+    found = [] if result.time is None else [_Group("time", ("time",), ("s",), result.time[:, None])]
+    found += of_joints("q", lengths, result.q)
+    pose = np.concatenate([result.at.position, result.at.quaternion], axis=-1)
+    found.append(_Group("pose", _POSE, ("m", "m", "m", "", "", "", ""), pose))
+    found.append(_Group("indices", indices, index_units, index))
+    found += of_joints("qdot", [f"{unit}/s" for unit in lengths], result.rates)
+    found += of_joints("qddot", [f"{unit}/s2" for unit in lengths], result.accelerations)
+    if result.at.twist is not None:
+        found.append(_Group("twist", TWIST_ROWS, TWIST_UNITS, result.at.twist))
+    found += of_joints("torque", ["Nm" if turns else "N" for turns in turning], result.at.torque)
+    found += of_joints("effort_use", [""] * len(names), result.effort_use)
+    found.append(_Group("limit_distance", ("limit_distance",), ("",), result.at.limit_distance[:, None]))
+    return found
+
+
+def sample_arrays(result: Trajectory, rows: FileRows) -> dict[str, Any]:
+    """Return the samples for JSON: {array: {columns, units, values}}, and the number of each one's row."""
+    found: dict[str, Any] = {"row": rows.numbers.tolist()}
+    for group in _groups(result):
+        values = group.values + 0.0  # no -0.0
+        listed = values.tolist() if np.all(np.isfinite(values)) else nested(values)
+        flat = [row[0] for row in listed] if len(group.columns) == 1 else listed
+        found[group.name] = {"columns": list(group.columns), "units": list(group.units), "values": flat}
+    return found
+
+
+def sample_lines(result: Trajectory, rows: FileRows) -> Iterator[str]:
+    """Yield the lines of a CSV file, in blocks: a header, then a row for each row of the file.
+
+    The number of the row, columns of numbers in SI units (what is not finite is empty), whether the sample is near a
+    singular configuration, which limits are exceeded (`joint position`), and why a row has no answer.
+    """
+    groups = _groups(result)
+    named = [(c, u) for group in groups for c, u in zip(group.columns, group.units, strict=True)]
+    names = [f"{column} [{unit}]" if unit else column for column, unit in named]
+    yield csv.lines([["row", *names, "near_singular", "violations", "reason"]])
+    near, beyond = result.inverse_condition_number < result.near, _beyond(result)
+    bad = {one.row: "," * len(named) + csv.lines([["", "", one.reason]]) for one in rows.bad}
+    failed = np.array(sorted(bad), dtype=np.int64)
+    for start in range(0, len(rows.numbers), _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        numbers = rows.numbers[part]
+        cells = np.concatenate([group.values[part] for group in groups], axis=1) + 0.0
+        texts = _number_cells(cells)
+        answers = {
+            int(number): f"{text},{'yes' if close else 'no'},{beyond.get(start + i, '')},\n"
+            for i, (number, text, close) in enumerate(zip(numbers, texts, near[part].tolist(), strict=True))
+        }
+        low = 0 if start == 0 else int(rows.numbers[start - 1])
+        high = rows.count if start + _AT_ONCE >= len(rows.numbers) else int(numbers[-1])
+        between = failed[np.searchsorted(failed, low, "right") : np.searchsorted(failed, high, "right")]
+        answers |= {int(number): bad[int(number)] for number in between}
+        yield "".join(f"{number},{answers[number]}" for number in sorted(answers))
+
+
+def _number_cells(cells: Array) -> list[str]:
+    """Return rows of numbers as text. JSON's encoder writes the shortest digits that give the number again."""
+    text = msgspec.json.encode(cells.tolist())[2:-2]  # [[0.5,1.0],[null,2.0]]
+    return text.replace(b"null", b"").decode().split("],[")
+
+
+def _beyond(result: Trajectory) -> dict[int, str]:
+    """Return {sample: the limits that it exceeds} as the cell of a CSV file."""
+    found: dict[int, list[str]] = {}
+    for one in result.violations:
+        for sample in range(one.first, one.last + 1):
+            found.setdefault(sample, []).append(f"{one.joint} {one.kind}")
+    cells = {texts: csv.lines([["; ".join(texts)]]).rstrip("\n") for texts in set(map(tuple, found.values()))}
+    return {sample: cells[tuple(texts)] for sample, texts in found.items()}

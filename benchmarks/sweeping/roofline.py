@@ -14,7 +14,7 @@ from peers.chains import measured
 from sweeping.cases import CHAINS, LARGE, SMALL, kernel_of, microseconds, one_core
 
 MACHINE = Path(__file__).parents[1] / "machine"
-COUNTED = 256  # configurations that are walked through, instruction by instruction
+COUNTED = 128  # configurations that are walked through, instruction by instruction
 LAYERS = (
     ("placement", ("placement",)),
     ("Jacobian", ("jacobian",)),

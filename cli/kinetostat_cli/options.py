@@ -232,7 +232,8 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
         if hints[name] not in _GROUPS
     ]
     shared = [parameter for group in _GROUPS if group in hints.values() for parameter in _parameters(group)]
-    spread = own + shared  # help shows what is special about a command first
+    # ROBOT is the first argument; of the options, help shows what is special about a command first.
+    spread = sorted(own + shared, key=lambda parameter: parameter.name != "source")
 
     @functools.wraps(command)
     def collect(**given: Any) -> None:

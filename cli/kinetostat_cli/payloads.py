@@ -16,13 +16,13 @@ PayloadOption = Annotated[
 ]
 
 
-def payload_of(text: str | None, frame: str) -> Payload | None:
-    """Return the payload of an option, held by the frame.
+def payload_of(text: str | None, frame: str | None) -> Payload | None:
+    """Return the payload of an option, held by the frame; None without one.
 
     Raises:
         UsageError: it is not of that form.
     """
-    if text is None:
+    if text is None or frame is None:
         return None
     import kinetostat
     from kinetostat.errors import quote

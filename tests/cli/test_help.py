@@ -13,7 +13,9 @@ from kinetostat_cli.main import COMMANDS
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_has_help_with_an_example_that_works(cli, command):
+def test_every_command_has_help_with_an_example_that_works(cli, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "motion.csv").write_text("time,joint1,joint2\n0,0.1,1\n1,0.2,-1\n")
     answer = cli(command, "--help")
     assert answer.code == 0
     example = re.search(r"Example: kinetostat (.*)", answer.out)

@@ -176,8 +176,7 @@ def _answer_map(
     from kinetostat.report import map as report
 
     if plot is not None:
-        from kinetostat.report.figures import save
-        from kinetostat.report.figures.maps import capability_figure
+        from kinetostat.report.figures import capability_figure, save
 
         save(capability_figure(result), plot)
     rows = output.format is Format.CSV
@@ -210,8 +209,7 @@ def _answer_placement(
     with progress_bar() as tell:
         found: BasePlacement = base_placement(model, result, wanted, q.q, seed=seed, progress=tell)
     if plot is not None:
-        from kinetostat.report.figures import save
-        from kinetostat.report.figures.maps import placement_figure
+        from kinetostat.report.figures import placement_figure, save
 
         save(placement_figure(found), plot)
     answer = Answer(

@@ -326,8 +326,7 @@ def _executor(scheduler: str | None) -> Iterator[Executor | None]:
 
 
 def _draw(result: Sweep, plot: Path) -> None:
-    from kinetostat.report.figures import save
-    from kinetostat.report.figures.histograms import histogram_figure
+    from kinetostat.report.figures import histogram_figure, save
 
     save(histogram_figure(result), plot)
 

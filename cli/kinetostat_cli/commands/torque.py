@@ -23,9 +23,10 @@ from kinetostat_cli.options import (
     RobotOptions,
     grouped,
 )
+from kinetostat_cli.payloads import payload_of
 
 if TYPE_CHECKING:
-    from kinetostat import Configuration, ForcePolytope, Load, Model, Payload, Strongest, Torques
+    from kinetostat import Configuration, ForcePolytope, Load, Model, Strongest, Torques
     from kinetostat.conventions import Array
 
 __all__ = ["register"]
@@ -127,7 +128,7 @@ def torque(
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip()) if frame or payload or largest else None
     down: Any = triple(gravity_vector, "--gravity-vector") or gravity or worst or largest is not None
-    held, limits = _payload(payload, tip), by_joint(effort_limits, "--effort-limits")
+    held, limits = payload_of(payload, tip), by_joint(effort_limits, "--effort-limits")
     bearing: Any = {"gravity": down, "payload": held, "limits": limits}
     if worst:
         _write_worst(model, at, output, samples, bearing)
@@ -252,24 +253,6 @@ def _check_plot(plot: Path, largest: str | None) -> None:
     check_suffix(plot)
     if largest != "all":
         raise UsageError("--plot draws the forces of --max all", remedy="add --max all")
-
-
-def _payload(text: str | None, frame: str | None) -> Payload | None:
-    """Return the payload of an option KG[@X,Y,Z], held by the frame."""
-    if text is None or frame is None:
-        return None
-    import kinetostat
-    from kinetostat.errors import quote
-    from kinetostat_cli.values import numbers
-
-    mass, at, point = text.partition("@")
-    try:
-        kilograms = float(mass)
-        x, y, z = numbers(point, "--payload", 3) if at else (0.0, 0.0, 0.0)
-    except (ValueError, kinetostat.UsageError):
-        message = f"--payload takes KG, or KG@X,Y,Z in the frame that -f names, not {quote(text)}"
-        raise kinetostat.UsageError(message, remedy="for instance 3@0,0,0.08") from None
-    return kinetostat.Payload(kilograms, frame, (x, y, z))
 
 
 def _wrenches(model: Model, texts: list[str], axes: list[str], order: Order) -> list[Load]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -47,15 +45,6 @@ __all__ = ["register"]
 _SAID = 10  # bad rows that are named one by one
 
 
-def _robot_first(command: Callable[..., None]) -> Callable[..., None]:
-    """Put ROBOT before FILE, as every command has it."""
-    spread = inspect.signature(command)
-    sorted_ = sorted(spread.parameters.values(), key=lambda parameter: parameter.name != "source")
-    command.__signature__ = spread.replace(parameters=sorted_)  # type: ignore[attr-defined]
-    return command
-
-
-@_robot_first
 @grouped
 def trajectory(
     robot: RobotOptions,
@@ -140,8 +129,7 @@ def trajectory(
             progress=tell,
         )
     if plot is not None:
-        from kinetostat.report.figures import save
-        from kinetostat.report.figures.timelines import timeline_figure
+        from kinetostat.report.figures import save, timeline_figure
 
         save(timeline_figure(result, recording.rows, degrees=at.deg), plot)
     if output.format is Format.CSV:

@@ -105,9 +105,7 @@ def _notes(result: CapabilityMap, at: Configuration, degrees: bool) -> list[str]
     if len(result.coordinates.names) < at.robot.nq:
         notes.append(f"other joints {configuration_note(at, degrees)}")
     if result.checked:
-        notes.append(
-            f"{result.checked:,} configurations, some of every chunk and the best, computed again by Pinocchio"
-        )
+        notes.append(f"{result.checked:,} configurations, of every chunk and the best, computed again by Pinocchio")
     return notes
 
 

@@ -37,11 +37,19 @@ def open_whole(path: Path) -> Iterator[BinaryIO]:
             with path.open("wb") as file:
                 yield file
         else:
-            yield from _replaced(path.resolve(strict=path.is_symlink()))  # a link stays, what it names is replaced
-    except (OSError, RuntimeError) as error:
+            yield from _replaced(_target(path))
+    except OSError as error:
         raise UsageError(
             f"cannot write {quote(str(path))}: {getattr(error, 'strerror', None) or error}", remedy="check its folder"
         ) from None
+
+
+def _target(path: Path) -> Path:
+    """Return what a path names: a link stays, the file that it leads to is replaced."""
+    try:
+        return path.resolve(strict=path.is_symlink())
+    except RuntimeError as error:  # links that lead to each other, before Python 3.13
+        raise OSError(str(error)) from None
 
 
 def _replaced(path: Path) -> Iterator[BinaryIO]:

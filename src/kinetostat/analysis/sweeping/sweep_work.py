@@ -263,11 +263,11 @@ class SweepWork:
         return Extreme(peak.value, peak.row, q, self.coordinates.configuration(q, self.witness.rest))
 
     def _with_extremes(self, partial: SweepPartial) -> SweepPartial:
-        """Return the partial result with the rows of all extremes computed again."""
+        """Return the partial result with the rows of all extremes computed again, but for those that were already."""
         ends = {peak.row for tally in partial.tallies for peak in (tally.minimum, tally.maximum) if peak is not None}
-        if not ends or not self.coordinates.model.crosscheck:
+        rows = sorted(row for row in ends if row % BLOCK not in self._sample(row // BLOCK))
+        if not rows or not self.coordinates.model.crosscheck:
             return partial
-        rows = sorted(ends)
         q = np.concatenate([self.source.rows(row, row + 1) for row in rows])
         found = self._differences(q, self.kernel(q), np.arange(len(rows)), 0)
         own = tuple(None if peak is None else Peak(peak.value, rows[peak.row]) for peak in found)

@@ -7,17 +7,24 @@ imported where something is drawn, not here.
 
 from kinetostat.report.figures.approaches import approach_figure
 from kinetostat.report.figures.arm import manipulability_figure
+from kinetostat.report.figures.histograms import histogram_figure
+from kinetostat.report.figures.maps import capability_figure, placement_figure
 from kinetostat.report.figures.polytopes import polytope_figure
 from kinetostat.report.figures.saving import check_suffix, save
 from kinetostat.report.figures.slices import slice_figure
+from kinetostat.report.figures.timelines import timeline_figure
 from kinetostat.report.figures.workspaces import workspace_figure
 
 __all__ = [
     "approach_figure",
+    "capability_figure",
     "check_suffix",
+    "histogram_figure",
     "manipulability_figure",
+    "placement_figure",
     "polytope_figure",
     "save",
     "slice_figure",
+    "timeline_figure",
     "workspace_figure",
 ]

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-COMMAND = str(Path(sys.executable).with_name("kinetostat"))
+COMMAND = os.environ.get("KS_TEST") or str(Path(sys.executable).with_name("kinetostat"))
 ROBOT = ("example:panda", "-f", "panda_hand")
 MANY, FEW, HUGE = 5_000_000, 1_000_000, 100_000_000
 WANTED_MEMORY, WANTED_THREADS, WANTED_WORKERS = 600, 1.8, 1.6
@@ -55,10 +55,11 @@ def line(what: str, value: float, unit: str, note: str = "") -> None:
 
 def show_scaling(quick: bool) -> None:
     """Print threads, workers and memory."""
-    count, times = (FEW if quick else MANY), 3
+    count, times = (FEW if quick else MANY), (1 if quick else 3)
     print(f"\n{' '.join(ROBOT)}: sweep --samples {count:.0e} --summary, whole commands, medians of {times}")
     show_threads(count, times)
-    show_workers(count, times)
+    if not quick:
+        show_workers(count, times)
     few = command(FEW, "-j", "2")
     line(f"largest memory, {FEW:.0e} configurations", few.memory, "MB")
     if not quick:

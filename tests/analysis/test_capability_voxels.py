@@ -67,6 +67,8 @@ def test_parts_add_up_to_the_same_bits_in_any_order_and_grouping(waiting, monkey
     assert expected.state()["count"].tolist() == whole.count.tolist()
     assert expected.state()["row"].tolist() == whole.row.tolist()
     assert expected.state()["total"].tolist() == whole.total.tolist()
+    assert (expected.outside, expected.checked) == (np.sum(index < 0), sum(range(12)))
+    assert expected.differences == (11 / 7, 1.0)
     generator = np.random.default_rng(waiting)
     for _ in range(30):
         left = [parts[i] for i in generator.permutation(len(parts))]

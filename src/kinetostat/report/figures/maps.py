@@ -69,7 +69,8 @@ def capability_figure(result: CapabilityMap) -> Figure:
     cuts = _cuts(result)
     low, high = result.box
     spans = [tuple(float(high[i] - low[i]) for i in cut.spans) for cut in cuts]
-    unit = "a pure number" if result.singular_value_unit == "1" else f"in {result.singular_value_unit}"
+    unit = result.singular_value_unit
+    unit = {"1": "a pure number", "mixed": "m and rad mixed"}.get(unit, f"in {unit}")
     line = f"{result.count:,} configurations, {result.source.label}; voxels of {result.grid.size:g} m in the axes of "
     lines = [line + named(result.velocity.relative_to)]
     lines.append(f"colour: the largest that the smallest singular value is in a voxel, {unit}; white: not reached")

@@ -39,6 +39,7 @@ __all__ = [
     "ReferenceOption",
     "RelativeToOption",
     "RobotOptions",
+    "RunOptions",
     "XacroArgOption",
     "grouped",
     "joined_axes",
@@ -206,7 +207,24 @@ class OutputOptions:
     debug: DebugOption = False
 
 
-_GROUPS = (ConfigurationOptions, HeldOptions, RobotOptions, OutputOptions)
+@dataclass(frozen=True)
+class RunOptions:
+    """Who computes many configurations, and where what is done is kept."""
+
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", "-j", min=0, max=1024, metavar="N", help="Threads. Default: 0, a core each.")
+    ] = None
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Compute on the Dask cluster of this scheduler: tcp://HOST:8786."),
+    ] = None
+    checkpoint: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Keep what is done in this folder, and go on from it: for long runs."),
+    ] = None
+
+
+_GROUPS = (RunOptions, ConfigurationOptions, HeldOptions, RobotOptions, OutputOptions)
 
 
 def _parameters(group: type[Any]) -> list[inspect.Parameter]:

@@ -12,6 +12,7 @@ import typer
 
 from kinetostat_cli.console import Answer, exit_if_apart, opened, say, warn, write_answer
 from kinetostat_cli.options import OutputOptions
+from kinetostat_cli.runs import say_rate
 
 if TYPE_CHECKING:
     from kinetostat import Configuration, Model
@@ -120,7 +121,7 @@ class Question:
         rows = "1 row" if result.count == 1 else f"{result.count} rows"
         again = f", {result.certified_rows} of them computed again" if result.certified_rows else ""
         say("note", f"{rows}{again}; {certificate_note(result.certificate)}")
-        _say_rate(result)
+        say_rate(result.count, result.seconds, result.rate)
         exit_if_apart(result.certificate, self.model)
 
     def write_summary(self, result: Sweep) -> None:
@@ -130,7 +131,7 @@ class Question:
         numbers, warnings = None if self.listed is None else self.listed.numbers, list(result.warnings)
         if not result.complete:
             warnings.append(f"interrupted: {result.count} of {result.requested} configurations are in the summary")
-        _say_rate(result)
+        say_rate(result.count, result.seconds, result.rate)
         write_answer(
             Answer(
                 "sweep",
@@ -156,10 +157,3 @@ def _whole(outcome: Outcome[SweepPartial]) -> Outcome[SweepPartial]:
     if not outcome.complete:
         raise KeyboardInterrupt
     return outcome
-
-
-def _say_rate(result: Sweep) -> None:
-    from kinetostat.analysis.sweeping.pace import counted, lasting
-
-    took = lasting(result.seconds) if result.seconds >= 1 else f"{result.seconds:.2g} s"
-    say("note", f"{counted(result.count)} configurations in {took}, {counted(result.rate)} a second")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kinetostat.analysis.agreement import Agreement, Disagreement, agreement
     from kinetostat.analysis.approach import SingularApproach, singular_approach
     from kinetostat.analysis.capability.capability_map import CapabilityMap, capability_map
-    from kinetostat.analysis.capability.placing import BasePlacement, PlacementMap, base_placement, placement_map
+    from kinetostat.analysis.capability.placing import BasePlacement, PlacementMap, ProvedPlacement, base_placement
     from kinetostat.analysis.capacity import ForcePolytope, Strongest, force_polytope, strongest
     from kinetostat.analysis.configuration import Configuration, configuration, random_configurations
     from kinetostat.analysis.crosscheck import Certificate
@@ -76,7 +76,7 @@ _HOMES = {
     "analysis.agreement": ("Agreement", "Disagreement", "agreement"),
     "analysis.approach": ("SingularApproach", "singular_approach"),
     "analysis.capability.capability_map": ("CapabilityMap", "capability_map"),
-    "analysis.capability.placing": ("BasePlacement", "PlacementMap", "base_placement", "placement_map"),
+    "analysis.capability.placing": ("BasePlacement", "PlacementMap", "ProvedPlacement", "base_placement"),
     "analysis.capacity": ("ForcePolytope", "Strongest", "force_polytope", "strongest"),
     "analysis.configuration": ("Configuration", "configuration", "random_configurations"),
     "analysis.crosscheck": ("Certificate",),
@@ -157,6 +157,7 @@ __all__ = [
     "Placement",
     "PlacementMap",
     "Pose",
+    "ProvedPlacement",
     "Reactions",
     "Reference",
     "RepresentationError",
@@ -207,7 +208,6 @@ __all__ = [
     "load",
     "load_at",
     "manipulability",
-    "placement_map",
     "pose",
     "random_configurations",
     "reactions",

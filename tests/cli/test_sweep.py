@@ -427,7 +427,7 @@ def test_what_is_no_count(text):
 def interrupted(monkeypatch):
     """Press Ctrl-C when the first chunks are done."""
     from kinetostat.analysis.sweeping import running
-    from kinetostat_cli.commands import sweep
+    from kinetostat_cli import runs
 
     @contextmanager
     def bar():
@@ -441,7 +441,7 @@ def interrupted(monkeypatch):
         yield tell
 
     monkeypatch.setattr(running, "_TOLD_EVERY", 0.0)
-    monkeypatch.setattr(sweep, "progress_bar", bar)
+    monkeypatch.setattr(runs, "progress_bar", bar)
 
 
 def test_a_summary_that_is_interrupted_is_told_and_partial(cli, interrupted):

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from kinetostat_cli.console import Answer, configuration, load, progress_bar, refuse, say, triple, write_answer
+from kinetostat_cli import runs
+from kinetostat_cli.console import Answer, configuration, load, progress_bar, refuse, triple, write_answer
 from kinetostat_cli.options import (
     AxesOption,
     ConfigurationOptions,
@@ -19,6 +19,7 @@ from kinetostat_cli.options import (
     PointOption,
     RelativeToOption,
     RobotOptions,
+    RunOptions,
     grouped,
 )
 
@@ -38,6 +39,7 @@ def map_(
     robot: RobotOptions,
     at: ConfigurationOptions,
     output: OutputOptions,
+    run: RunOptions,
     frame: FrameOption = None,
     samples: Annotated[
         str | None,
@@ -76,9 +78,6 @@ def map_(
             show_default=False,
         ),
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", min=0, max=1024, metavar="N", help="Threads. Default: 0, a core each.")
-    ] = None,
 ) -> None:
     """Map where a tool gets, and how well it moves there.
 
@@ -95,11 +94,12 @@ def map_(
         from kinetostat.report.figures import check_suffix
 
         check_suffix(plot)
+    runs.check(run)
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
     q = configuration(model, at)
     wanted = None if poses is None else _poses(poses, at, axes)
-    with progress_bar() as tell:
+    with runs.running(run) as how:
         result = capability_map(
             model,
             tip,
@@ -111,10 +111,10 @@ def map_(
             length=length,  # type: ignore[arg-type]
             relative_to=relative_to,
             point=triple(point, "--point"),
-            workers=jobs or _cores(),
-            progress=tell,
+            checkpoint=run.checkpoint,
+            **how,
         )
-    _say_rate(result)
+    runs.say_rate(result.count, result.seconds, result.rate)
     output = _map_written(result, model, output)
     if wanted is None:
         _answer_map(result, model, q, at, output, plot)
@@ -222,17 +222,6 @@ def _answer_placement(
         result.warnings,
     )
     write_answer(answer, output)
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _say_rate(result: CapabilityMap) -> None:
-    from kinetostat.analysis.sweeping.pace import counted, lasting
-
-    said = f"{counted(result.count)} configurations in {lasting(result.seconds)}"
-    say("note", f"{said}, {counted(result.rate)} a second")
 
 
 def register(app: typer.Typer) -> None:

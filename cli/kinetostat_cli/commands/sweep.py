@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,11 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from kinetostat.conventions import Reference
-from kinetostat_cli import completion
+from kinetostat_cli import completion, runs
 from kinetostat_cli.console import (
     configuration,
     load,
-    progress_bar,
     refuse,
     triple,
 )
@@ -30,14 +27,13 @@ from kinetostat_cli.options import (
     ReferenceOption,
     RelativeToOption,
     RobotOptions,
+    RunOptions,
     grouped,
 )
 from kinetostat_cli.payloads import PayloadOption, payload_of
 from kinetostat_cli.sweeping import Question
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from kinetostat import Configuration, Model
     from kinetostat.analysis.sweeping.sweep import Sweep, SweepWork
     from kinetostat_cli.rows import SoundRows
@@ -52,6 +48,7 @@ def sweep(
     robot: RobotOptions,
     at: ConfigurationOptions,
     output: OutputOptions,
+    run: RunOptions,
     frame: FrameOption = None,
     samples: Annotated[
         str | None, typer.Option(metavar="N", help="N random configurations inside limits: 100000, 1e8, 100k, 10M.")
@@ -111,17 +108,6 @@ def sweep(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw how often each measure has which value: .svg, .png, .pdf.")
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", min=0, max=1024, metavar="N", help="Threads. Default: 0, a core each.")
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Compute on the Dask cluster of this scheduler: tcp://HOST:8786."),
-    ] = None,
-    checkpoint: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Keep what is done in this folder, and go on from it: for long summaries."),
-    ] = None,
 ) -> None:
     """Compute measures over many configurations.
 
@@ -138,8 +124,8 @@ def sweep(
     _check_sources(sources)
     refuse(samples is None and low_discrepancy is None, {"--seed": seed}, "is of what is drawn", "leave it out")
     rows = _rows_wanted(output, summary=summary)
-    refuse(rows, {"--checkpoint": checkpoint}, "keeps summaries, not rows", "leave out -o or --checkpoint")
-    refuse(scheduler is not None, {"--jobs": jobs}, "is of threads here, not of a cluster", "leave one of the two out")
+    refuse(rows, {"--checkpoint": run.checkpoint}, "keeps summaries, not rows", "leave out -o or --checkpoint")
+    runs.check(run)
     names = _measures(measures, rows=rows)
     weight = {"--payload": payload, "--gravity-vector": gravity_vector, "--effort-limits": effort_limits}
     refuse(not _WEIGHED & set(names or ()), weight, "belongs to weight", "--measures gravity_torque,effort_use")
@@ -174,11 +160,10 @@ def sweep(
 
         warn_of_held(model, listed, work.coordinates.indices)
     question = Question(work, model, replace(q, q=work.witness.rest), listed, output, degrees=at.deg)
-    with _executor(scheduler) as executor, progress_bar() as tell:
-        running: dict[str, Any] = {"workers": jobs or _cores(), "executor": executor, "progress": tell}
-        if executor is None:
-            question.compiled(tell)
-        outcome = question.written(**running) if rows else question.summed_up(**running, checkpoint=checkpoint)
+    with runs.running(run) as how:
+        if how["executor"] is None:
+            question.compiled(how["progress"])
+        outcome = question.written(**how) if rows else question.summed_up(**how, checkpoint=run.checkpoint)
     if outcome is None:  # nobody reads any more
         return
     result = work.result(outcome)
@@ -308,21 +293,6 @@ def _limits(text: str | None) -> dict[str, Any] | None:
     from kinetostat_cli.values import by_joint
 
     return None if text is None else by_joint(text, "--effort-limits")
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-@contextmanager
-def _executor(scheduler: str | None) -> Iterator[Executor | None]:
-    if scheduler is None:
-        yield None
-        return
-    from kinetostat.analysis.sweeping.cluster import cluster
-
-    with cluster(scheduler) as executor:
-        yield executor
 
 
 def _draw(result: Sweep, plot: Path) -> None:

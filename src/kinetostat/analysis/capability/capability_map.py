@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -176,6 +177,7 @@ def capability_map(
     point: Sequence[float] | None = None,
     workers: int = 1,
     executor: Executor | None = None,
+    checkpoint: str | Path | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> CapabilityMap:
     """Return a map of the voxels that a tool reaches, from configurations drawn inside joint limits.
@@ -201,6 +203,7 @@ def capability_map(
         point: the tool point in the frame's coordinates, m; default its origin.
         workers: threads.
         executor: who computes instead of threads.
+        checkpoint: a folder that keeps what is done, and that a run goes on from.
         progress: told what is being done, and which share of it is.
 
     Raises:
@@ -222,8 +225,9 @@ def capability_map(
     work = MapWork(source, sweep.witness, grid, _unit(bound))
     if progress is not None:
         progress("compiling, once", 0.0)
-    sweep.kernel(source.rows(0, 1))  # the first of its kind on a machine is compiled, which is no part of the run
-    outcome = run(work, workers=workers, executor=executor, progress=progress)
+    if executor is None:
+        sweep.kernel(source.rows(0, 1))  # the first of its kind on a machine is compiled, which is no part of the run
+    outcome = run(work, workers=workers, executor=executor, checkpoint=checkpoint, progress=progress)
     return _map(work, sweep, outcome)
 
 

@@ -1,0 +1,56 @@
+"""How a run over many configurations is made: by how many threads, on which cluster, kept in which folder."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from kinetostat_cli.console import progress_bar, refuse, say
+from kinetostat_cli.options import RunOptions
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+__all__ = ["check", "running", "say_rate"]
+
+
+def check(run: RunOptions) -> None:
+    """Refuse options that do not go together.
+
+    Raises:
+        UsageError: threads are asked for on a cluster.
+    """
+    alone = "is of threads here, not of a cluster"
+    refuse(run.scheduler is not None, {"--jobs": run.jobs}, alone, "leave one of the two out")
+
+
+@contextmanager
+def running(run: RunOptions) -> Iterator[dict[str, Any]]:
+    """Yield who computes, and who is told of it, as the library takes them."""
+    with _executor(run.scheduler) as executor, progress_bar() as tell:
+        yield {"workers": run.jobs or _cores(), "executor": executor, "progress": tell}
+
+
+@contextmanager
+def _executor(scheduler: str | None) -> Iterator[Executor | None]:
+    if scheduler is None:
+        yield None
+        return
+    from kinetostat.analysis.sweeping.cluster import cluster
+
+    with cluster(scheduler) as executor:
+        yield executor
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def say_rate(count: int, seconds: float, rate: float) -> None:
+    """Say how fast it went."""
+    from kinetostat.analysis.sweeping.pace import counted, lasting
+
+    took = lasting(seconds) if seconds >= 1 else f"{seconds:.2g} s"
+    say("note", f"{counted(count)} configurations in {took}, {counted(rate)} a second")

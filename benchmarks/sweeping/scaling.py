@@ -1,7 +1,7 @@
-"""`kinetostat sweep --summary` as a command: threads, Dask workers, 10^8 configurations, the first run and the next."""
+"""Sweeps that sum up: threads, Dask workers, 10^8 configurations, the first run and the next; by the clock."""
 
 import contextlib
-import json
+import importlib.util
 import os
 import statistics
 import subprocess
@@ -9,10 +9,14 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-COMMAND = os.environ.get("KS_TEST") or str(Path(sys.executable).with_name("kinetostat"))
+import kinetostat as ks
+
+COMMAND = str(Path(sys.executable).with_name("kinetostat"))
 ROBOT = ("example:panda", "-f", "panda_hand")
 MANY, FEW, HUGE = 5_000_000, 1_000_000, 100_000_000
 WANTED_MEMORY, WANTED_THREADS, WANTED_WORKERS = 600, 1.8, 1.6
@@ -20,32 +24,30 @@ WANTED_MEMORY, WANTED_THREADS, WANTED_WORKERS = 600, 1.8, 1.6
 
 @dataclass(frozen=True)
 class Run:
-    """A command that has ended: seconds of wall time, its largest memory in MB, the summary that it wrote."""
+    """A command that has ended: seconds of wall time, its largest memory in MB."""
 
     seconds: float
     memory: float
-    result: dict
 
 
-def command(count: int, *options: str, cache: str | None = None) -> Run:
+def command(count: int, cache: str | None = None) -> Run:
     """Run a sweep that sums up; its cache folder is another one where that is said.
 
     Raises:
         RuntimeError: it fails.
     """
-    line = [COMMAND, "sweep", *ROBOT, "--samples", str(count), "--summary", "-F", "json", *options]
+    asked = [COMMAND, "sweep", *ROBOT, "--samples", str(count), "--summary"]
     env = os.environ if cache is None else {**os.environ, "XDG_CACHE_HOME": cache}
-    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as said:
+    with tempfile.TemporaryFile("w+") as said:
         start = time.perf_counter()
-        process = subprocess.Popen(line, env=env, stdout=out, stderr=said)
+        process = subprocess.Popen(asked, env=env, stdout=subprocess.DEVNULL, stderr=said)
         _, status, usage = os.wait4(process.pid, 0)
         seconds = time.perf_counter() - start
         process.returncode = os.waitstatus_to_exitcode(status)
-        out.seek(0)
         said.seek(0)
         if process.returncode != 0:
-            raise RuntimeError(f"{' '.join(line)}: {said.read().strip().splitlines()[-1:]}")
-        return Run(seconds, usage.ru_maxrss / 1024, json.load(out)["result"])
+            raise RuntimeError(f"{' '.join(asked)}: {said.read().strip().splitlines()[-1:]}")
+    return Run(seconds, usage.ru_maxrss / 1024)
 
 
 def line(what: str, value: float, unit: str, note: str = "") -> None:
@@ -55,68 +57,78 @@ def line(what: str, value: float, unit: str, note: str = "") -> None:
 
 def show_scaling(quick: bool) -> None:
     """Print threads, workers and memory."""
-    count, times = (FEW if quick else MANY), (1 if quick else 3)
-    print(f"\n{' '.join(ROBOT)}: sweep --samples {count:.0e} --summary, whole commands, medians of {times}")
+    count, times = (FEW if quick else MANY), (3 if quick else 7)
+    print(f"\n{' '.join(ROBOT)}: sums over {count:.0e} random configurations, medians of {times}; cross-checked")
     show_threads(count, times)
     if not quick:
         show_workers(count, times)
-    few = command(FEW, "-j", "2")
-    line(f"largest memory, {FEW:.0e} configurations", few.memory, "MB")
+    few = command(FEW)
+    line(f"kinetostat sweep --samples {FEW:.0e}: largest memory", few.memory, "MB")
     if not quick:
-        huge = command(HUGE, "-j", str(os.cpu_count()))
-        line(
-            f"{HUGE:.0e} configurations, {os.cpu_count()} threads",
-            huge.seconds,
-            "s",
-            f"{HUGE / huge.seconds / 1e6:.2f} M/s",
-        )
-        line(f"largest memory, {HUGE:.0e} configurations", huge.memory, "MB", f"(wanted: below {WANTED_MEMORY})")
+        huge = command(HUGE)
+        rate = f"{HUGE / huge.seconds / 1e6:.2f} M/s, its start and all, {os.cpu_count()} threads"
+        line(f"kinetostat sweep --samples {HUGE:.0e}", huge.seconds, "s", rate)
+        line("its largest memory", huge.memory, "MB", f"(wanted: below {WANTED_MEMORY})")
+
+
+def swept(model: ks.Model, count: int, **how: Any) -> ks.Sweep:
+    """Return a sweep of the robot's chain by threads or an executor."""
+    return ks.sweep(model, ROBOT[2], ks.configuration(model, "zero").q, samples=count, **how)
+
+
+def numbers(sweep: ks.Sweep) -> list[Any]:
+    """Return what is to be the same, to the bit, however it was computed."""
+    each = sweep.measures.values()
+    return [(x.mean, x.quantiles, x.minimum and x.minimum.value, x.maximum and x.maximum.value) for x in each]
 
 
 def show_threads(count: int, times: int) -> None:
-    """Print what two threads are worth, the start of the command left out."""
-    start = statistics.median(command(1, "-j", "1").seconds for _ in range(times))
-    one, two = [], []
-    for _ in range(times):
-        one.append(command(count, "-j", "1"))
-        two.append(command(count, "-j", "2"))
-    if any(run.result != one[0].result for run in (*one, *two)):
-        raise RuntimeError("not the same summary")
-    single, double = (statistics.median(run.seconds for run in runs) for runs in (one, two))
-    line("one configuration: the start", start, "s")
-    line("1 thread", single, "s", f"{count / (single - start) / 1e6:.2f} M/s, its start left out")
-    line("2 threads, the same summary to the bit", double, "s", f"{count / (double - start) / 1e6:.2f} M/s")
-    note = f"times one; starts left out {(single - start) / (double - start):.2f} (wanted: {WANTED_THREADS})"
-    line("ratio", single / double, "", note)
+    """Print what two threads are worth."""
+    model = ks.load(ROBOT[0])
+    swept(model, FEW)
+    pairs = [(swept(model, count, workers=1), swept(model, count, workers=2)) for _ in range(times)]
+    if any(numbers(one) != numbers(two) for one, two in pairs):
+        raise RuntimeError("one thread and two do not give the same numbers")
+    for i, name in enumerate(("1 thread", "2 threads, the same numbers to the bit")):
+        seconds = statistics.median(pair[i].seconds for pair in pairs)
+        line(name, seconds, "s", f"{count / seconds / 1e6:.2f} M/s")
+    line("ratio", statistics.median(a.seconds / b.seconds for a, b in pairs), "", f"(wanted: {WANTED_THREADS})")
+    for workers in (1, 2):  # what else this machine does is not in these: where they are equal, threads cost nothing
+        start = time.process_time()
+        swept(model, count, workers=workers)
+        line(
+            f"the processor's time, threads: {workers}",
+            1e6 * (time.process_time() - start) / count,
+            "us",
+            "a configuration",
+        )
 
 
 @contextlib.contextmanager
-def cluster(workers: int) -> Iterator[str]:
-    """Start Dask's scheduler and workers of one thread each on this machine; give its address."""
+def cluster(workers: int) -> Iterator[Executor]:
+    """Start Dask's scheduler and workers of one thread each on this machine; give the executor of a client."""
     from distributed import LocalCluster
 
-    with LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None) as local:
-        yield local.scheduler_address
+    with (
+        LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0") as local,
+        ks.cluster(local.scheduler_address) as executor,
+    ):
+        yield executor
 
 
 def show_workers(count: int, times: int) -> None:
     """Print what two worker processes are worth."""
-    try:
-        import distributed  # noqa: F401
-    except ImportError:
+    if importlib.util.find_spec("distributed") is None:
         print("  Dask is absent: pip install 'kinetostat[dask]'")
         return
-    seconds = dict[int, float]()
-    starts = dict[int, float]()
+    model, seconds = ks.load(ROBOT[0]), dict[int, float]()
     for workers in (1, 2):
-        with cluster(workers) as address:
-            command(FEW, "--scheduler", address)  # workers have imported and compiled
-            starts[workers] = statistics.median(command(1, "--scheduler", address).seconds for _ in range(times))
-            runs = [command(count, "--scheduler", address).seconds for _ in range(times)]
-            seconds[workers] = statistics.median(runs)
-        line(f"{workers} Dask worker{'s' if workers > 1 else ''} of one thread", seconds[workers], "s")
-    without = (seconds[1] - starts[1]) / (seconds[2] - starts[2])
-    line("ratio", seconds[1] / seconds[2], "", f"times one; starts left out {without:.2f} (wanted: {WANTED_WORKERS})")
+        with cluster(workers) as executor:
+            swept(model, count, executor=executor)  # workers have imported and compiled
+            seconds[workers] = statistics.median(swept(model, count, executor=executor).seconds for _ in range(times))
+        name = f"{workers} Dask worker{'s' if workers > 1 else ''} of one thread"
+        line(name, seconds[workers], "s", f"{count / seconds[workers] / 1e6:.2f} M/s")
+    line("ratio", seconds[1] / seconds[2], "", f"(wanted: {WANTED_WORKERS})")
 
 
 def show_start(quick: bool) -> None:

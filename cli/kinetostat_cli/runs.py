@@ -13,6 +13,8 @@ from kinetostat_cli.options import RunOptions
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from kinetostat import CapabilityMap, Sweep
+
 __all__ = ["check", "running", "say_rate"]
 
 
@@ -48,9 +50,14 @@ def _cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def say_rate(count: int, seconds: float, rate: float) -> None:
-    """Say how fast it went."""
+def say_rate(result: Sweep | CapabilityMap) -> None:
+    """Say how fast it went, and what an earlier run had done."""
     from kinetostat.analysis.sweeping.pace import counted, lasting
 
-    took = lasting(seconds) if seconds >= 1 else f"{seconds:.2g} s"
-    say("note", f"{counted(count)} configurations in {took}, {counted(rate)} a second")
+    took = lasting(result.seconds) if result.seconds >= 1 else f"{result.seconds:.2g} s"
+    own = result.count - result.continued
+    before = f" ({counted(result.continued)} were done before)" if result.continued else ""
+    if own:
+        say("note", f"{counted(own)} configurations in {took}, {counted(result.rate)} a second{before}")
+    else:
+        say("note", f"all {counted(result.count)} configurations were done before: the checkpoint has them")

@@ -121,7 +121,7 @@ class Question:
         rows = "1 row" if result.count == 1 else f"{result.count} rows"
         again = f", {result.certified_rows} of them computed again" if result.certified_rows else ""
         say("note", f"{rows}{again}; {certificate_note(result.certificate)}")
-        say_rate(result.count, result.seconds, result.rate)
+        say_rate(result)
         exit_if_apart(result.certificate, self.model)
 
     def write_summary(self, result: Sweep) -> None:
@@ -131,7 +131,7 @@ class Question:
         numbers, warnings = None if self.listed is None else self.listed.numbers, list(result.warnings)
         if not result.complete:
             warnings.append(f"interrupted: {result.count} of {result.requested} configurations are in the summary")
-        say_rate(result.count, result.seconds, result.rate)
+        say_rate(result)
         write_answer(
             Answer(
                 "sweep",

@@ -15,7 +15,7 @@ from kinetostat.analysis.sweeping.cluster import cluster
 from kinetostat.analysis.sweeping.running import Outcome, run
 from kinetostat.analysis.sweeping.sweep import SweepWork, sweep_work
 
-CHUNKS = 12
+CHUNKS = 16  # more than are in flight when the second half begins
 
 
 @pytest.fixture(autouse=True)
@@ -68,17 +68,10 @@ def test_a_killed_process(work, alone):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_interrupted_and_continued(work, alone, workers, tmp_path):
-    steps = [0.5, 0.2]
-
-    def interrupt(_, share):
-        if steps and share >= steps[-1]:
-            steps.pop()
-            signal.raise_signal(signal.SIGINT)
-
-    for _ in range(2):
-        assert not run(work, workers=workers, checkpoint=tmp_path, progress=interrupt).complete
+    for step in (0.2, 0.4):
+        assert not run(work, workers=workers, checkpoint=tmp_path, progress=interrupting(step)).complete
     outcome = run(work, workers=3 - workers, checkpoint=tmp_path)
-    assert outcome.continued >= work.rows / 2
+    assert outcome.continued >= 0.4 * work.rows
     assert bits(outcome) == alone
     assert bits(run(work, checkpoint=tmp_path)) == alone
 
@@ -100,6 +93,18 @@ def test_a_cluster_that_loses_a_worker(work, alone):
         outcome = run(work, executor=executor, progress=killer(lambda: local.workers[0].process.pid, asked))
     assert asked
     assert bits(outcome) == alone
+
+
+def interrupting(step: float):
+    """Return a progress that interrupts once, when a share is done."""
+    asked = list[float]()
+
+    def tell(_, share):
+        if share >= step and not asked:
+            asked.append(share)
+            signal.raise_signal(signal.SIGINT)
+
+    return tell
 
 
 def killer(pid, asked: list[int] | None = None):

@@ -114,7 +114,7 @@ def map_(
             checkpoint=run.checkpoint,
             **how,
         )
-    runs.say_rate(result.count, result.seconds, result.rate)
+    runs.say_rate(result)
     output = _map_written(result, model, output)
     if wanted is None:
         _answer_map(result, model, q, at, output, plot)

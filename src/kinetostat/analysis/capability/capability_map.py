@@ -64,6 +64,7 @@ class CapabilityMap:
         certificate: its largest difference.
         seconds: how long it took.
         rate: configurations a second.
+        continued: how many an earlier run had done, of which there was a checkpoint.
         warnings: what is to be said of it.
     """
 
@@ -88,6 +89,7 @@ class CapabilityMap:
     certificate: Certificate
     seconds: float
     rate: float
+    continued: int
     warnings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -271,6 +273,7 @@ def _map(work: MapWork, sweep: SweepWork, outcome: Outcome[VoxelSums]) -> Capabi
         combined(certificates),
         outcome.seconds,
         outcome.rate,
+        outcome.continued,
         tuple(warnings),
     )
 

@@ -129,6 +129,7 @@ class Sweep:
         done: which chunks are done.
         seconds: how long it took.
         rate: configurations a second.
+        continued: how many an earlier run had done, of which there was a checkpoint.
         warnings: what is to be said of it.
     """
 
@@ -155,6 +156,7 @@ class Sweep:
     done: Chunks
     seconds: float
     rate: float
+    continued: int
     warnings: tuple[str, ...] = ()
     near_singular_below: float = NEAR_SINGULAR
 

@@ -255,6 +255,7 @@ class SweepWork:
             outcome.done,
             outcome.seconds,
             outcome.rate,
+            outcome.continued,
             (*self.warnings, *outcome.warnings),
         )
 

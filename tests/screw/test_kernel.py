@@ -175,7 +175,7 @@ def test_singular_configurations_have_no_gradient_but_values() -> None:
     wanted = ("singular_values", "yoshikawa", "yoshikawa_gradient", "minimum_gradient")
     found = Kernel(chain, wanted, (0, 1, 2))(np.random.default_rng(0).normal(size=(9, 3)))
     np.testing.assert_allclose(found["singular_values"], np.tile([np.sqrt(2), 1, 0], (9, 1)), atol=1e-15)
-    np.testing.assert_array_equal(found["yoshikawa"], np.zeros(9))
+    np.testing.assert_allclose(found["yoshikawa"], np.zeros(9), atol=1e-15)
     assert np.all(np.isnan(found["yoshikawa_gradient"]))
     assert np.all(np.isnan(found["minimum_gradient"]))
 

@@ -26,7 +26,7 @@ __all__ = ["OUTPUTS", "Kernel"]
 OUTPUTS = (
     "placement",  # (m, 3, 4): the upper rows of T, the tool in the observer's coordinates
     "jacobian",  # (m, 6, n): of the tool's origin, linear rows first, in the axes that `local` says, in m and rad
-    "singular_values",  # (m, k): of the weighed rows, descending
+    "singular_values",  # (m, k): of the weighed rows, descending but for rounding
     "yoshikawa",  # (m,): their product
     "yoshikawa_gradient",  # (m, n): along the coordinates; NaN where a singular value is zero
     "minimum_gradient",  # (m, n): of the smallest singular value; NaN where it is zero

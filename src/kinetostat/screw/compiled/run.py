@@ -60,12 +60,14 @@ def _run_chain(kernel: Kernel, lanes: Array, values: int, out: dict[str, Array])
     """Fill the outputs that are of the chain."""
     outputs = Outputs(*(out[name] for name in Outputs._fields))
     if any(array.size for array in outputs[2:]):
-        rows = list(kernel.rows)
+        # Turns first: they are the larger rows of most arms, and the largest first converge sooner.
+        task = kernel.rows[::-1]
+        rows = list(task)
         row_factors = np.ones(6) if kernel.row_factors is None else kernel.row_factors
         column_factors = np.ones(len(lanes)) if kernel.column_factors is None else kernel.column_factors
         weights = Weights(row_factors[rows], np.asarray(column_factors, dtype=np.float64), kernel.local, KINK)
         step = 1 if len(rows) <= len(lanes) else values
         # The lengths of these tuples are constants of the compiled code.
-        evaluate_indices(lanes, kernel.packed_chain, weights, kernel.rows, outputs, (0,) * values, (0,) * step)
+        evaluate_indices(lanes, kernel.packed_chain, weights, task, outputs, (0,) * values, (0,) * step)
     elif outputs.placement.size or outputs.jacobian.size:
         evaluate_motion(lanes, kernel.packed_chain, kernel.local, outputs.placement, outputs.jacobian)

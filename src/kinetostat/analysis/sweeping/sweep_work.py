@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 
@@ -264,16 +264,37 @@ class SweepWork:
         return Extreme(peak.value, peak.row, q, self.coordinates.configuration(q, self.witness.rest))
 
     def _with_extremes(self, partial: SweepPartial) -> SweepPartial:
-        """Return the partial result with the rows of all extremes computed again, but for those that were already."""
+        """Return the partial result with the rows of all extremes computed again, and held against what is reported."""
         ends = {peak.row for tally in partial.tallies for peak in (tally.minimum, tally.maximum) if peak is not None}
-        rows = sorted(row for row in ends if row % BLOCK not in self._sample(row // BLOCK))
-        if not rows or not self.coordinates.model.crosscheck:
+        if not ends or not self.coordinates.model.crosscheck:
             return partial
+        rows = sorted(ends)
         q = np.concatenate([self.source.rows(row, row + 1) for row in rows])
-        found = self._differences(q, self.kernel(q), np.arange(len(rows)), 0)
+        outputs = self.kernel(q)
+        found = self._differences(q, outputs, np.arange(len(rows)), 0)
         own = tuple(None if peak is None else Peak(peak.value, rows[peak.row]) for peak in found)
-        pairs = zip(partial.differences, own, strict=True)
-        return replace(partial, checked=partial.checked + len(rows), differences=tuple(_larger(a, b) for a, b in pairs))
+        told = self._told(partial, outputs, rows)
+        each = (reduce(_larger, three) for three in zip(partial.differences, own, told, strict=True))
+        new = sum(row % BLOCK not in self._sample(row // BLOCK) for row in rows)
+        return replace(partial, checked=partial.checked + new, differences=tuple(each))
+
+    def _told(self, partial: SweepPartial, outputs: dict[str, Array], rows: list[int]) -> tuple[Peak | None, ...]:
+        """Return, of each output that is compared, how far extremes that are reported are from what their rows give.
+
+        Nothing, unless a number was damaged on its way: by another version at a worker, in a checkpoint, amid a batch.
+        """
+        names, tallies = tuple(self.witness.tolerances), iter(partial.tallies)
+        found = dict[str, Peak | None].fromkeys(names)
+        for one in self.asked:
+            if not one.measure.summary:
+                continue
+            name = next((output for output in one.measure.outputs if output in found), names[0])
+            for values, tally in zip(one.values(outputs), tallies, strict=False):
+                for peak in (tally.minimum, tally.maximum):
+                    if peak is not None and (again := float(values[rows.index(peak.row)])) != peak.value:
+                        apart = abs(again - peak.value) / max(1.0, abs(again))
+                        found[name] = _larger(found[name], Peak(apart if apart < math.inf else math.inf, peak.row))
+        return tuple(found.values())
 
     def _certificates(self, partial: SweepPartial) -> dict[str, Certificate]:
         """Return what the engines say of each output; both results of the worst row where they disagree."""

@@ -29,6 +29,7 @@ bench: $(READY)
 	$(BIN)/python benchmarks/torques.py
 	$(BIN)/python benchmarks/inverse.py
 	$(BIN)/python benchmarks/check.py
+	$(BIN)/python benchmarks/sweep.py
 
 agreement: $(READY)
 	$(BIN)/python benchmarks/agreement.py

@@ -10,10 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kinetostat.errors import UsageError
+from kinetostat.screw.chain import Chain
 from kinetostat.screw.compiled.compiling import LANES
 from kinetostat.screw.compiled.lanes import FRAME, sine_and_cosine
 from kinetostat.screw.compiled.singular_values import orthogonalise, set_transposed
 from kinetostat.screw.compiled.triangle import to_triangle, volume
+from kinetostat.screw.kernel import Kernel
 
 SIX = (0,) * 6
 
@@ -148,11 +151,11 @@ def test_a_matrix_of_no_numbers_does_not_spoil_its_neighbours() -> None:
 SCRIPT = """
 import numpy as np
 from kinetostat.screw.compiled.blocks import evaluate_limit_distance as f
+from kinetostat.screw.compiled.keeping import FOLDER
 out = np.empty((1, 3))
 f(np.array([[0.0, 0.5, 1.0]]), np.zeros(1), np.ones(1), out)
 assert out.tolist() == [[1.0, 0.5, 0.0]]
-import numba
-print(numba.config.CACHE_DIR, sum(f.stats.cache_hits.values()))
+print(FOLDER, sum(f.stats.cache_hits.values()))
 """
 
 
@@ -161,31 +164,62 @@ def _started(home: Path) -> subprocess.Popen[str]:
     return subprocess.Popen([sys.executable, "-c", SCRIPT], env=environment, stdout=-1, stderr=-1, text=True)
 
 
-def _ended(process: subprocess.Popen[str]) -> tuple[Path, int]:
+def _ended(process: subprocess.Popen[str]) -> tuple[str, int]:
+    """Return the folder of compiled code, and how much of it was taken from there."""
     out, err = process.communicate(timeout=300)
-    assert process.returncode == 0, err
+    assert (process.returncode, err) == (0, "")
     folder, hits = out.split()
-    return Path(folder), int(hits)
+    return folder, int(hits)
 
 
 def test_code_is_compiled_once_for_all_processes(tmp_path: Path) -> None:
     """Three at once on an empty cache, and a fourth that finds the code there."""
     together = [_ended(process) for process in [_started(tmp_path) for _ in range(3)]]
-    assert {folder.is_relative_to(tmp_path) for folder, _ in together} == {True}
+    assert {Path(folder).is_relative_to(tmp_path) for folder, _ in together} == {True}
     assert _ended(_started(tmp_path))[1] == 1
+    assert {file.suffix for file in Path(together[0][0]).iterdir()} == {".code"}  # no draft is left
+
+
+@pytest.mark.parametrize("damage", ["empty", "cut", "flipped", "zeroed", "folder"])
+def test_damaged_code_is_compiled_anew(tmp_path: Path, damage: str) -> None:
+    folder, _ = _ended(_started(tmp_path))
+    for file in Path(folder).iterdir():
+        content = file.read_bytes()
+        spoilt = {"empty": b"", "cut": content[: len(content) // 2], "zeroed": bytes(len(content))}
+        flipped = content[:-100] + bytes([content[-100] ^ 0xFF]) + content[-99:]
+        file.unlink()
+        if damage == "folder":
+            file.mkdir()
+        else:
+            file.write_bytes(spoilt.get(damage, flipped))
+    assert _ended(_started(tmp_path))[1] == 0
+    assert _ended(_started(tmp_path))[1] == (0 if damage == "folder" else 1)
 
 
 def test_without_a_folder_to_write_in_every_process_compiles(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.touch()
-    folder, hits = _ended(_started(blocked))
-    assert hits == 0
-    assert not folder.exists()  # its own, and gone with it
+    assert _ended(_started(blocked)) == ("None", 0)
+
+
+def test_a_full_disk_keeps_nothing_and_spoils_nothing(tmp_path: Path) -> None:
+    """Files may be empty only: what would be kept cannot be written."""
+    limited = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100));{SCRIPT}"
+    quiet = f"import signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);{limited}"
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+    run = subprocess.run([sys.executable, "-c", quiet], env=environment, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert list(Path(run.stdout.split()[0]).iterdir()) == []
 
 
 def test_code_in_a_folder_that_others_may_write_is_not_used(tmp_path: Path) -> None:
     folder, _ = _ended(_started(tmp_path))
-    folder.chmod(0o777)
-    other, hits = _ended(_started(tmp_path))
-    assert other != folder
-    assert hits == 0
+    Path(folder).chmod(0o777)
+    assert _ended(_started(tmp_path)) == ("None", 0)
+
+
+def test_without_numba_one_line_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "kinetostat.screw.compiled.run", None)
+    chain = Chain(np.array([[0, 0, 0, 0, 0, 1.0]]).T, np.eye(4), np.eye(1), np.zeros(1))
+    with pytest.raises(UsageError, match="Numba"):
+        Kernel(chain, ("placement",))(np.zeros((1, 1)))

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kinetostat.conventions import Array
+from kinetostat.errors import UsageError
 from kinetostat.screw.chain import Chain
 from kinetostat.screw.tree import Tree
 
@@ -74,9 +75,15 @@ class Kernel:
 
         Arrays are views of arrays whose last axis is the configurations', as compiled code fills them; a batch (m, n)
         that is such a view itself is not copied.
-        """
-        from kinetostat.screw.compiled.run import run
 
+        Raises:
+            UsageError: Numba cannot be imported.
+        """
+        try:
+            from kinetostat.screw.compiled.run import run
+        except ImportError as error:
+            message = f"batches are computed by Numba, which cannot be imported: {error}"
+            raise UsageError(message, remedy="pip install --force-reinstall numba") from None
         return run(self, q)
 
     @cached_property

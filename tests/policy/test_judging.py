@@ -150,13 +150,16 @@ class TestEfforts:
         assert outcome.witness["joint2"] == pytest.approx(0, abs=1e-4)
 
     def test_only_the_joints_that_are_named_are_climbed_for(self, tmp_path, monkeypatch):
-        from kinetostat.analysis import worst
+        from kinetostat.analysis.worst_climb import WorstClimb
 
         climbed = []
-        honest = worst._Climb.worst
-        monkeypatch.setattr(
-            worst._Climb, "worst", lambda self, joint, *rest: climbed.append(joint.name) or honest(self, joint, *rest)
-        )
+        honest = WorstClimb.ends
+
+        def watched(self, joints, *rest):
+            climbed.extend(joint.name for joint in joints)
+            return honest(self, joints, *rest)
+
+        monkeypatch.setattr(WorstClimb, "ends", watched)
         percent = 100 * G * 2.4 * 0.4 / 30  # on joint2, stretched
         lines = f'kind = "worst-gravity-torque"\n{DOWN}\nsamples = 50\njoints = ["joint2"]\nat-most-percent = '
         assert judged(tmp_path, textbook("planar_2r"), f"{lines}{percent + 0.01}").met is True

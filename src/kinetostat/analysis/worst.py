@@ -1,29 +1,26 @@
-"""The worst gravity torque of each joint over all configurations inside limits: sampled, then polished; certified."""
+"""The worst gravity torque of each joint over all configurations inside limits: sampled, climbed to, certified."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from kinetostat.analysis.configuration import NO_LIMIT, checked, position_range, random_configurations
+from kinetostat.analysis.configuration import NO_LIMIT, checked, random_configurations
 from kinetostat.analysis.crosscheck import Certificate
-from kinetostat.analysis.loads import EffortLimits, Payload, carried, checked_gravity
+from kinetostat.analysis.loads import EffortLimits, Payload, checked_gravity
 from kinetostat.analysis.statics import torque
-from kinetostat.conventions import Array, Load
+from kinetostat.analysis.worst_climb import WorstClimb
+from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
-from kinetostat.engines.protocol import Engine
 from kinetostat.errors import UsageError, quote
 from kinetostat.urdf.description import Joint, Robot
 
 __all__ = ["WorstTorques", "worst_torques"]
 
-_POLISHED = 8  # of the samples, the worst of which are starts, for each joint
+_STARTS = 32  # of the samples, the worst of which are climbed from, for each joint
 _AGREE = 1e-6  # of the worst torque: starts that end so near agree
-_ITERATIONS = 200
-_ROUNDING = 1e-12  # of the largest torque
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,17 +70,17 @@ def worst_torques(
     limits: Mapping[str, float | tuple[float, float]] | None = None,
     joints: Collection[str] | None = None,
     samples: int = 2000,
-    starts: int = _POLISHED,
+    starts: int = _STARTS,
     also: Array | None = None,
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
 ) -> WorstTorques:
     """Return the worst torque of each joint under gravity (and payload) over all configurations inside limits.
 
-    Random configurations, then from the worst of them for each joint a local maximiser inside the limits (L-BFGS-B: C.
-    Zhu, R. Byrd, P. Lu and J. Nocedal, 1997, by SciPy) with the analytic gradient, which is a row of the Hessian of the
-    potential energy. Of the joints that may move and that the torque depends on; joints with several coordinates
-    (floating, planar) are held at q. What it finds is a lower bound of the worst.
+    Random configurations; from the worst of them for each joint, all at once, a climb inside the limits along one
+    coordinate after another (`torque_ascent`); from the highest end a local maximiser (L-BFGS-B: C. Zhu, R. Byrd, P. Lu
+    and J. Nocedal, 1997, by SciPy) with the analytic gradient, which is a row of the Hessian of the potential energy.
+    Joints with several coordinates (floating, planar) are held at q. What it finds is a lower bound of the worst.
 
     Args:
         model: the robot.
@@ -118,21 +115,13 @@ def worst_torques(
     drawn = _drawn(robot, q, moving, samples, seed)
     if also is not None:
         drawn = np.concatenate([checked(robot, also).reshape(-1, robot.nq), drawn])
-    climb = _Climb(robot, model.engine, down, carried(robot, payload, down), moving, starts)
-    torques = climb.engine.holding_torques(drawn, down, climb.loads)
-    worst, witnesses, agreed = [], [], []
-    for i, joint in enumerate(asked):
-        if progress is not None:
-            progress(f"joint {joint.name}", i / len(asked))
-        found = climb.worst(joint, drawn, torques)
-        best = max(range(len(found)), key=lambda k: abs(found[k][0]))
-        worst.append(found[best][0])
-        witnesses.append(found[best][1])
-        agreed.append(sum(abs(abs(value) - abs(worst[-1])) <= _AGREE * abs(worst[-1]) for value, _ in found))
-    at = np.array(witnesses)
+    ends, torques = WorstClimb(model, q, moving, down, payload).ends(asked, drawn, starts, progress)
+    sizes, rows = np.abs(torques), np.arange(len(asked))
+    best = np.argmax(sizes, axis=1)
+    at = ends[rows, best]
+    agreed = np.sum(sizes >= (1 - _AGREE) * sizes[rows, best][:, None], axis=1)
     proof = torque(model, at, gravity=down, payload=payload, limits=limits)
     columns = robot.velocity_columns(asked)
-    rows = np.arange(len(asked))
     return WorstTorques(
         tuple(joint.name for joint in asked),
         tuple(proof.units[column] for column in columns),
@@ -144,7 +133,7 @@ def worst_torques(
         proof.utilisation[rows, columns],
         samples,
         min(starts, len(drawn)),
-        np.array(agreed),
+        agreed,
         proof.certificate,
         (*proof.warnings, *_about_ranges(moving)),
     )
@@ -184,61 +173,3 @@ def _about_ranges(joints: Sequence[Joint]) -> list[str]:
 
 def _named(names: Sequence[str]) -> str:
     return ", ".join(quote(name) for name in names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
-
-
-@dataclass(frozen=True)
-class _Climb:
-    """From samples to local maxima of one joint's torque."""
-
-    robot: Robot
-    engine: Engine
-    gravity: Array
-    loads: Sequence[Load]
-    joints: Sequence[Joint]
-    starts: int
-
-    def worst(self, joint: Joint, drawn: Array, torques: Array) -> list[tuple[float, Array]]:
-        """Return torque and configuration of the maxima that the worst samples for a joint lead to."""
-        column = self.robot.velocity_slices[joint.name].start
-        sizes = np.abs(torques[:, column])
-        order = np.argsort(-sizes, kind="stable")[: self.starts]
-        if sizes[order[0]] <= _ROUNDING * float(np.max(np.abs(torques))):  # weight does not turn this joint
-            return [(float(torques[i, column]), drawn[i]) for i in order]
-        return [self._climbed(column, drawn[i], math.copysign(1.0, torques[i, column])) for i in order]
-
-    def _climbed(self, column: int, start: Array, sign: float) -> tuple[float, Array]:
-        from scipy.optimize import minimize
-
-        where = [self.robot.position_slices[joint.name].start for joint in self.joints]
-        columns = self.robot.velocity_columns(self.joints)
-
-        def descent(x: Array) -> tuple[float, Array]:
-            q = start.copy()
-            q[where] = x
-            value = self.engine.holding_torques(q, self.gravity, self.loads)[column]
-            return -sign * float(value), -sign * self._gradient(q, column)[columns]
-
-        bounds = [_range(self.robot, joint) for joint in self.joints]
-        found = minimize(descent, start[where], jac=True, method="L-BFGS-B", bounds=bounds, options=_OPTIONS)
-        q = start.copy()
-        q[where] = found.x
-        return -sign * float(found.fun), q
-
-    def _gradient(self, q: Array, column: int) -> Array:
-        """Return the gradient of a joint's torque: of the links' weight, and of the payload's, a constant force."""
-        gradient: Array = self.engine.gravity_stiffness(q, self.gravity)[column].copy()
-        for load in self.loads:
-            rates = self.engine.jacobian_rate(q, np.eye(self.robot.nv), load.at)  # of J along each coordinate
-            gradient += rates[:, :, column] @ load.wrench
-        return gradient
-
-
-_OPTIONS = {"maxiter": _ITERATIONS, "ftol": 1e-13, "gtol": 1e-9}
-
-
-def _range(robot: Robot, joint: Joint) -> tuple[float | None, float | None]:
-    """Return the ends that a joint is kept between: none where a turn is without limits."""
-    lower, upper = joint.limit.range
-    if joint.type.is_angle and max(abs(lower), abs(upper)) > NO_LIMIT:
-        return None, None
-    return position_range(robot, joint)

@@ -22,10 +22,8 @@ __all__ = ["WorstEffort", "worst_efforts"]
 _NOISE = 1e-5  # of a torque: what the search for the worst is good for
 _NOTHING = 1e-9  # of the largest torque: one below it is none
 
-_CLIMBS = 21_000  # times coordinates of both robots: five seconds on a free core
-_MOST, _FEWEST = 8, 1  # starts of the climb for each joint
-_SMALL = 30  # coordinates; robots with more of them get fewer samples
-_FEWER = 300
+_CLIMBS = 640_000  # times coordinates of both robots: five seconds on a free core
+_MOST, _FEWEST = 32, 8  # starts of the climb for each joint
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,7 @@ def worst_efforts(
         matching: which joint is which.
         joints: the joints that are looked at, by A's names, see `loaded_joints`.
         share: of a torque, below which a change does not count.
-        samples: how many random configurations are looked at before the climb; fewer for large robots.
+        samples: how many random configurations are looked at before the climb.
         seed: the same seed gives the same ones.
         progress: told what is being done, and which share of it is.
 
@@ -95,7 +93,7 @@ def worst_efforts(
     starts = min(_MOST, _CLIMBS // (size * max(1, len(joints))))
     if starts < _FEWEST:
         raise UsageError(f"{len(joints)} joints of robots with {a.robot.nv} and {b.robot.nv} coordinates are too many")
-    asked: _Asked = {"samples": samples if size <= 2 * _SMALL else min(samples, _FEWER), "seed": seed}
+    asked: _Asked = {"samples": samples, "seed": seed}
     theirs = [matching.joints[name] for name in joints]
     first = worst_torques(a, neutral(a.robot), joints=joints, starts=starts, progress=progress, **asked)
     there = _carried(first.witnesses, a, b, matching.joints)

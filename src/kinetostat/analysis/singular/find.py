@@ -28,6 +28,7 @@ __all__ = ["Coverage", "Family", "SingularFamilies", "singular_find"]
 STARTS = 1000
 _MOST_STARTS = 1_000_000
 _BATCH = 250
+_COMPILED = 3000  # searches from which on compiled code saves more than its loading takes: some tenths of a second
 _CANDIDATES = 256  # among which the witness that is farthest from other families is chosen
 _KINDS = 7  # configurations of a family of which the kind is taken
 
@@ -156,6 +157,7 @@ def singular_find(
         raise UsageError(f"--starts is between 1 and {_MOST_STARTS}", remedy="for instance 1000")
     tell = progress or (lambda _what, _share: None)
     arm = mechanism(model, frame, relative_to=relative_to, point=point, axes=axes, reference=reference)
+    arm = replace(arm, compiled=starts >= _COMPILED)
     generator = np.random.default_rng(seed)
     tell("single joints", 0.0)
     singles = single_joint_families(arm, seed)

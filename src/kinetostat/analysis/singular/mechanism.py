@@ -18,6 +18,7 @@ from kinetostat.engines.model import Model
 from kinetostat.engines.screw import ScrewEngine
 from kinetostat.errors import UsageError, quote
 from kinetostat.screw import se3
+from kinetostat.screw.kernel import Kernel
 from kinetostat.urdf.description import Robot
 
 __all__ = ["EXACT", "MODEL", "STRICT", "Mechanism", "mechanism"]
@@ -25,6 +26,7 @@ __all__ = ["EXACT", "MODEL", "STRICT", "Mechanism", "mechanism"]
 STRICT = 1e-9  # a singular value below it is zero in exact numbers
 EXACT = 1e-7  # what becomes of a strict zero at a configuration that a search has found to its own accuracy
 MODEL = 1e-5  # and below this, zero but for the rounding of a file that writes 1.5708 for pi/2
+_MANY = 64  # configurations that compiled code is called for
 _SAMPLES = 32  # configurations that decide the generic rank and the unit of length
 _SEED = 0
 _NO_LENGTH = 1e-9  # of the robot's reach: a distance below it is rounding
@@ -46,6 +48,7 @@ class Mechanism(Coordinates):
         task: the rows that count, m of them.
         length: L, in m: the root mean square distance of the joints' axes from the point of `velocity`.
         generic_rank: r, the rank at almost every configuration.
+        compiled: whether singular values of many configurations come from compiled code, whose loading takes a while.
     """
 
     velocity: Velocity
@@ -53,6 +56,7 @@ class Mechanism(Coordinates):
     task: Task
     length: float
     generic_rank: int
+    compiled: bool = False
 
     def __repr__(self) -> str:
         frames = f"{quote(self.velocity.of)} relative to {quote(self.velocity.relative_to)}"
@@ -109,8 +113,18 @@ class Mechanism(Coordinates):
 
     def smallest(self, q: Array) -> Array:
         """Return the singular value that decides: s_r. (..., n) -> (...)."""
-        values = np.linalg.svd(self.jacobian(q), compute_uv=False)
-        return np.asarray(values[..., self.generic_rank - 1], dtype=np.float64)
+        q = np.asarray(q, dtype=np.float64)
+        if self.compiled and q.size >= _MANY * q.shape[-1]:
+            values = self._kernel(q.reshape(-1, q.shape[-1]))["singular_values"]
+            return np.array(values[:, self.generic_rank - 1]).reshape(q.shape[:-1])
+        every = np.linalg.svd(self.jacobian(q), compute_uv=False)
+        return np.asarray(every[..., self.generic_rank - 1], dtype=np.float64)
+
+    @cached_property
+    def _kernel(self) -> Kernel:
+        """What gives the singular values of `jacobian` by compiled code."""
+        rows = np.array([1 / self.length] * 3 + [1.0] * 3)
+        return Kernel(self.chain, ("singular_values",), self.task.rows, rows, self.units, self.local)
 
     def difference(self, a: Array, b: Array) -> Array:
         """Return a - b in coordinate units, angles that repeat by the shorter way round. (..., n) -> (..., n)."""

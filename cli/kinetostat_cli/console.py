@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Answer",
+    "asked_configuration",
     "configuration",
     "exit_if_apart",
     "load",
@@ -109,6 +110,13 @@ def load(robot: RobotOptions, output: OutputOptions) -> Model:
 
 def configuration(model: Model, at: ConfigurationOptions) -> Configuration:
     """Return the configuration that the options ask for; warn of joints outside their limits."""
+    found = asked_configuration(model, at)
+    warn(found.warnings)
+    return found
+
+
+def asked_configuration(model: Model, at: ConfigurationOptions) -> Configuration:
+    """Return the configuration that the options ask for, with its warnings, which are not said yet."""
     import kinetostat
 
     wanted: Any = at.config
@@ -118,9 +126,7 @@ def configuration(model: Model, at: ConfigurationOptions) -> Configuration:
 
         wanted, in_radians = read_values(at.config[1:])
         degrees = degrees and not in_radians
-    found = kinetostat.configuration(model, wanted, degrees=degrees, quaternion_first=at.quat.value[0])
-    warn(found.warnings)
-    return found
+    return kinetostat.configuration(model, wanted, degrees=degrees, quaternion_first=at.quat.value[0])
 
 
 def triple(text: str | None, option: str) -> tuple[float, float, float] | None:

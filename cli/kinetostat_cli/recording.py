@@ -1,18 +1,22 @@
-"""A recorded trajectory, CSV or Parquet: columns of joints and perhaps of time; sound rows, and why others are not."""
+"""Configurations in a file, CSV or Parquet: columns of joints, perhaps of time; sound rows, and why others are not.
+
+What records a robot writes such files, and so does this tool: `trajectory` and `sweep --trajectory` read them alike.
+"""
 
 from __future__ import annotations
 
 import csv
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+import re
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kinetostat.analysis.configuration import LARGEST_ANGLE, LARGEST_LENGTH, from_rows
+from kinetostat.analysis.configuration import LARGEST_ANGLE, LARGEST_LENGTH, Configuration, from_rows, neutral
 from kinetostat.conventions import Array
 from kinetostat.errors import ConfigurationError, cut, quote
 from kinetostat.report.trajectory_rows import BadRow, FileRows
@@ -22,10 +26,11 @@ from kinetostat_cli.reading import is_header, list_file, list_text, split_unit
 if TYPE_CHECKING:
     from kinetostat import Model
 
-__all__ = ["Recording", "read_recording"]
+__all__ = ["Held", "Recording", "held_joints", "read_recording"]
 
 _BLOCK = 1 << 16  # lines that are read at once
-_TIME = ("time", "t")
+_TIME = ("time", "t", "time_from_start")
+_LIKE_TIME = re.compile(r".*time.*|.*stamp|secs?|seconds?", re.IGNORECASE)
 _UNITS = {"rad": 1.0, "deg": math.pi / 180, "m": 1.0, "s": 1.0}
 
 
@@ -35,14 +40,16 @@ class Recording:
 
     Attributes:
         q: configurations of the whole robot, (m, nq), rad and m.
-        time: s, increasing, (m,); None if there is no such column.
+        time: s, increasing, (m,); None if there is no such column, or it was not asked for.
         rows: which row of the file each is, how many there are, and those that were left out.
+        names: the coordinates that the file names; all others stay where `rest` has them.
         ignored: columns that were left out, of files that this tool has written.
     """
 
     q: Array
     time: Array | None
     rows: FileRows
+    names: tuple[str, ...]
     ignored: tuple[str, ...]
 
 
@@ -67,26 +74,35 @@ class _Block:
     reasons: dict[int, str]
 
 
-def read_recording(file: Path, model: Model, rest: Array, *, degrees: bool) -> Recording:
-    """Return a trajectory as configurations; joints that have no column stay where `rest`, (nq,), has them.
+def read_recording(file: Path, model: Model, rest: Array, *, degrees: bool, timed: bool = True) -> Recording:
+    """Return the configurations in a file; joints that have no column stay where `rest`, (nq,), has them.
 
-    The header names joints in any order, and time as `time` or `t`, perhaps with units: `elbow [deg]`. Without a header
-    there is a column for each coordinate, in file order. What this tool writes can be read back; its columns that are
-    no joints are left out. Rows with another number of cells, without a finite number, or with a time that is not after
-    the one before, are left out and told.
+    The header names joints in any order, and time as `time`, `t` or `time_from_start`, perhaps with units:
+    `elbow [deg]`; it may stand after a `#`. Without a header there is a column for each coordinate, in file order. What
+    this tool writes can be read back; its columns that are no joints are left out. Rows with another number of cells,
+    without a finite number, or with a time that is not after the one before, are left out and told.
+
+    Args:
+        file: .parquet, or CSV of any other name; `-` is standard input.
+        model: the robot.
+        rest: where joints stay that have no column, (nq,).
+        degrees: angles of columns that say no unit are in degrees.
+        timed: whether time counts; if not, its column is left out, whatever is in it.
 
     Raises:
         ConfigurationError: the file cannot be read; a unit that is none; no row that can be used.
         UnknownNameError: a column names no joint.
     """
     robot = model.robot
+    if file.suffix.lower() in (".json", ".jsonl", ".npz"):
+        raise ConfigurationError("neither CSV nor Parquet", file=str(file), remedy="give .csv or .parquet")
     if file.suffix.lower() == ".parquet":
-        columns, blocks = _parquet(file, robot, degrees)
+        columns, blocks = _parquet(file, robot, degrees, timed)
         parts = list(blocks)
     else:
         with list_text(file) as text:
             lines = ((i, line) for i, line in enumerate(text, 1) if line.strip())
-            columns, blocks = _csv(lines, robot, degrees)
+            columns, blocks = _csv(lines, robot, degrees, timed)
             parts = list(blocks)
     width = len(columns.places)
     values = np.concatenate([part.values for part in parts] or [np.zeros((0, width))]) * columns.factors
@@ -105,17 +121,54 @@ def read_recording(file: Path, model: Model, rest: Array, *, degrees: bool) -> R
         why = f"; {bad[0]}" if bad else ""
         raise ConfigurationError(f"no row can be used{why}", file=str(file), remedy="a row is a sample")
     joints = [i for i in range(width) if i != columns.t]
-    q = from_rows(model, values[sound][:, joints], [columns.names[i] for i in joints])
-    others = [i for i, name in enumerate(robot.position_names) if name not in columns.names]
+    names = tuple(columns.names[i] for i in joints)
+    others = [i for i, name in enumerate(robot.position_names) if name not in names]
+    q = from_rows(model, values[sound][:, joints], names)
     q[:, others] = rest[others]
     time = None if columns.t is None else values[sound, columns.t]
-    return Recording(q, time, FileRows(np.flatnonzero(sound) + 1, len(values), bad), columns.ignored)
+    return Recording(q, time, FileRows(np.flatnonzero(sound) + 1, len(values), bad), names, columns.ignored)
+
+
+# --- joints that a file does not name --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Held(Configuration):
+    """Where those joints are that do not move; of the others nothing is told.
+
+    Attributes:
+        joints: names of the joints that are held.
+    """
+
+    joints: frozenset[str] = frozenset()
+
+    def by_joint(self) -> dict[str, float | list[float]]:
+        """Return {joint: position} of the joints that are held."""
+        return {name: position for name, position in super().by_joint().items() if name in self.joints}
+
+
+def held_joints(rest: Configuration, moved: Collection[str]) -> Held:
+    """Return what is held of a configuration, with its warnings; `moved` are the coordinates that something else says.
+
+    A joint that moves is told of by nothing: its position stands at zero, and a limit that it, or what follows it,
+    exceeds in `rest` is no warning.
+    """
+    robot, q = rest.robot, rest.q.copy()
+    places = [i for i, name in enumerate(robot.position_names) if name in moved]
+    q[places] = neutral(robot)[places]
+    free = {joint.name for joint in robot.independent if set(joint.position_names) <= set(moved)}
+    about = free | {name for name, law in robot.followers.items() if law.joint in free}
+    starts = tuple(f"joint {quote(name)} is at " for name in about)
+    warnings = tuple(line for line in rest.warnings if not line.startswith(starts))
+    return Held(robot, q, warnings, frozenset(joint.name for joint in robot.independent) - free)
 
 
 # --- columns ---------------------------------------------------------------------------------------------------
 
 
-def _columns(header: Sequence[tuple[str, str]] | None, width: int, robot: Robot, *, degrees: bool) -> _Columns:
+def _columns(
+    header: Sequence[tuple[str, str]] | None, width: int, robot: Robot, *, degrees: bool, timed: bool
+) -> _Columns:
     """Return the columns that count of a header of names and units."""
     known = robot.position_names
     if header is None:
@@ -126,15 +179,16 @@ def _columns(header: Sequence[tuple[str, str]] | None, width: int, robot: Robot,
         header = [(name, "") for name in known]
     prefixed = any(name.startswith("q.") and name[2:] in known for name, _ in header)
     own = header[0][0] == "row" and "row" not in known
-    t = next((i for i, (name, _) in enumerate(header) if name in _TIME and name not in known), None)
+    stamp = next((i for i, (name, _) in enumerate(header) if name.lower() in _TIME and name not in known), None)
+    t, unread = (stamp, None) if timed else (None, stamp)
     places, names, factors, ignored = list[int](), list[str](), list[float](), list[str]()
     for i, (written, unit) in enumerate(header):
         name = written.removeprefix("q.") if prefixed else written
         other = (prefixed and not written.startswith("q.")) or name not in known
         if i == t:
             factors.append(_factor(written, unit or "s", ("s",)))
-        elif other and (own or prefixed):
-            ignored += [] if written in ("row", "reason") else [written]
+        elif (other and (own or prefixed)) or i == unread:
+            ignored += [] if written in ("row", "reason") or i == unread else [written]
             continue
         else:
             factors.append(_joint_factor(robot, name, unit, degrees))
@@ -153,6 +207,8 @@ def _columns(header: Sequence[tuple[str, str]] | None, width: int, robot: Robot,
 def _joint_factor(robot: Robot, name: str, unit: str, degrees: bool) -> float:
     """Return what makes rad or m of a column's numbers: the unit that the header tells counts more than --deg."""
     joint = next((joint for joint in robot.independent if name in joint.position_names), None)
+    if joint is None and _LIKE_TIME.fullmatch(name):
+        raise ConfigurationError(f"column {quote(name)} is no joint", remedy="the column of time is named time, in s")
     if joint is None:
         return 1.0  # from_rows says why
     if joint.type is JointType.FLOATING:
@@ -173,17 +229,47 @@ def _factor(name: str, unit: str, allowed: Sequence[str]) -> float:
 # --- CSV -------------------------------------------------------------------------------------------------------
 
 
-def _csv(lines: Iterator[tuple[int, str]], robot: Robot, degrees: bool) -> tuple[_Columns, Iterator[_Block]]:
+def _csv(
+    lines: Iterator[tuple[int, str]], robot: Robot, degrees: bool, timed: bool
+) -> tuple[_Columns, Iterator[_Block]]:
     """Return the columns that count, and the blocks of rows, of numbered lines that are not blank."""
     first = next(lines, None)
     if first is None:
         raise ConfigurationError("an empty list", remedy="write a header of joints and a row for each sample")
-    number, line = first
-    cells = next(csv.reader([line.removeprefix("\ufeff")], strict=True))
+    number, line = first[0], first[1].removeprefix("\ufeff")
+    cells = next(csv.reader([line], strict=True))
+    if cells[0].lstrip().startswith("#") and split_unit(cells[0])[0] not in robot.position_names:
+        cells[0] = cells[0].lstrip().removeprefix("#")  # numpy.savetxt writes headers as comments
+    _refuse_separators(cells, robot)
     named = is_header(cells)
-    columns = _columns([split_unit(cell) for cell in cells] if named else None, len(cells), robot, degrees=degrees)
-    rows = lines if named else itertools.chain([(number, line.removeprefix("\ufeff"))], lines)
+    header = [split_unit(cell) for cell in cells] if named else None
+    columns = _columns(header, len(cells), robot, degrees=degrees, timed=timed)
+    rows = lines if named else itertools.chain([(number, line)], lines)
     return columns, _csv_blocks(rows, columns)
+
+
+def _refuse_separators(cells: Sequence[str], robot: Robot) -> None:
+    """Refuse cells that something else than commas separates.
+
+    Raises:
+        ConfigurationError: so it is.
+    """
+    if len(cells) > 1 or split_unit(cells[0])[0] in robot.position_names:
+        return
+    known = {*robot.position_names, *_TIME}
+    for separator, called in ((";", "semicolons"), ("\t", "tabs"), (None, "blanks")):
+        words = [word.strip() for word in cells[0].split(separator)]
+        if len(words) > 1 and any(split_unit(word)[0] in known or _is_number(word) for word in words):
+            message = f"cells are separated by {called}"
+            raise ConfigurationError(message, remedy="separate them by commas, and write decimal points")
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word.replace(",", "."))
+    except ValueError:
+        return False
+    return True
 
 
 def _csv_blocks(rows: Iterable[tuple[int, str]], columns: _Columns) -> Iterator[_Block]:
@@ -246,7 +332,7 @@ def _title(columns: _Columns, i: int) -> str:
 # --- Parquet ---------------------------------------------------------------------------------------------------
 
 
-def _parquet(file: Path, robot: Robot, degrees: bool) -> tuple[_Columns, Iterator[_Block]]:
+def _parquet(file: Path, robot: Robot, degrees: bool, timed: bool) -> tuple[_Columns, Iterator[_Block]]:
     """Return the columns that count, and the rows; units are in the names or in the metadata of the fields.
 
     Raises:
@@ -265,7 +351,7 @@ def _parquet(file: Path, robot: Robot, degrees: bool) -> tuple[_Columns, Iterato
                 header.append((name, unit or (part.metadata or {}).get(b"unit", b"").decode()))
             if not header:
                 raise ConfigurationError("no column in it", file=str(file))
-            columns = _columns(header, len(header), robot, degrees=degrees)
+            columns = _columns(header, len(header), robot, degrees=degrees, timed=timed)
             table = source.read(columns=[source.schema_arrow.names[i] for i in columns.places])
             parts = [part.cast("float64").to_numpy() for part in table.columns]
     except (ArrowException, OSError, UnicodeDecodeError) as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,22 +53,25 @@ class Question:
             tell("compiling, once", 0.0)
         self.work.kernel(self.work.source.rows(0, 1))
 
-    def summed_up(self, **running: Any) -> Outcome[SweepPartial]:
+    def summed_up(self, **running: Any) -> Sweep:
         """Run to the end, or to Ctrl-C."""
         from kinetostat.analysis.sweeping.running import run
 
         outcome = run(self.work, **running)
         if not outcome.rows:
             raise KeyboardInterrupt
-        return outcome
+        return self.work.result(outcome)
 
-    def written(self, **running: Any) -> Outcome[SweepPartial] | None:
+    def written(self, **running: Any) -> Sweep | None:
         """Run, and write rows as they come; None if nobody reads them to the end."""
         from kinetostat.analysis.sweeping.running import run
 
         try:
-            with self._row_writer() as writer:
-                return _whole(run(self.work, sink=self._sink(writer), **running))
+            about = self._about()
+            with self._row_writer(about) as writer:
+                result = self.work.result(_whole(run(self.work, sink=self._sink(writer), **running)))
+                about |= self._about(result)
+                return result
         except _NobodyReadsError:
             return None
         except KeyboardInterrupt:
@@ -91,19 +94,24 @@ class Question:
         return write
 
     @contextmanager
-    def _row_writer(self) -> Iterator[RowWriter]:
-        from kinetostat.report.json import opening
+    def _row_writer(self, about: Mapping[str, Any]) -> Iterator[RowWriter]:
         from kinetostat.report.row_files import CsvRows, open_rows
-        from kinetostat.report.sweep import row_fields, rows_about
+        from kinetostat.report.sweep import grid_arrays, row_fields
 
         fields, path = row_fields(self.work), self.output.output or _STDOUT
         if path == _STDOUT:
             with opened(self.output) as write:
                 yield CsvRows(write, fields)
             return
-        about = rows_about(self.work, opening("sweep.rows", self.model))
-        with open_rows(path, fields, about, self.work.rows) as writer:
+        with open_rows(path, fields, about, self.work.rows, grid_arrays(self.work)) as writer:
             yield writer
+
+    def _about(self, result: Sweep | None = None) -> dict[str, Any]:
+        """Return what a file says of its rows: what was asked for; with the result, also the certificate."""
+        from kinetostat.report.json import opening
+        from kinetostat.report.sweep import rows_about
+
+        return rows_about(self.work, opening("sweep.rows", self.model), result)
 
     def _numbers(self, start: int, count: int) -> Any:
         """Return the numbers of rows, from 1; those of the list that they come from, which may have others between."""
@@ -115,12 +123,15 @@ class Question:
 
     def say_of_rows(self, result: Sweep) -> None:
         """Say what was written."""
+        from kinetostat.report.sweep import beyond_notes
         from kinetostat.report.view import certificate_note
 
         warn(result.warnings)
         rows = "1 row" if result.count == 1 else f"{result.count} rows"
         again = f", {result.certified_rows} of them computed again" if result.certified_rows else ""
         say("note", f"{rows}{again}; {certificate_note(result.certificate)}")
+        for note in beyond_notes(result):
+            say("note", note)
         say_rate(result)
         exit_if_apart(result.certificate, self.model)
 

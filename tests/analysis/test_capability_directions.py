@@ -54,3 +54,17 @@ def test_coverage_is_the_share_of_bins():
     every = np.bitwise_or.reduce(sphere.mask(sphere.centres()))
     half = np.bitwise_or.reduce(sphere.mask(sphere.centres()[: sphere.DIRECTIONS // 2]))
     assert list(sphere.coverage(np.array([0, every, half], dtype=np.uint64))) == [0, 1, 0.5]
+
+
+def test_bins_side_by_side_are_added_and_none_farther():
+    drawn = random_directions(50_000, seed=5)
+    near = drawn + 1e-3 * random_directions(50_000, seed=6)
+    near /= np.linalg.norm(near, axis=-1, keepdims=True)
+    assert np.all(sphere.widened(sphere.mask(drawn)) & sphere.mask(near))
+    axes = sphere.centres()
+    wide = sphere.widened(sphere.mask(axes))
+    beside = (wide[:, None] >> np.arange(sphere.DIRECTIONS, dtype=np.uint64)) & np.uint64(1) == 1
+    assert np.array_equal(beside, beside.T)
+    assert np.min((axes @ axes.T)[beside]) > np.cos(np.radians(45))
+    assert 4 <= np.min(beside.sum(axis=1)) <= np.max(beside.sum(axis=1)) <= 12
+    assert sphere.widened(np.uint64(0)) == 0

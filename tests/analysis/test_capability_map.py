@@ -1,5 +1,6 @@
 """Capability maps: where the workspace is known, they are it; numbers of a voxel are those of its configurations."""
 
+import math
 import pickle
 from concurrent.futures import ThreadPoolExecutor
 
@@ -156,6 +157,45 @@ def test_any_number_of_workers_gives_the_same_bits():
         assert other.grid.shape == alone.grid.shape
         for name in ARRAYS:
             assert getattr(other, name).tobytes() == getattr(alone, name).tobytes()
+
+
+@pytest.mark.parametrize("approach", [(0, 0, -1), (3.0, 0, 0.5)])
+def test_an_approach_keeps_what_arrives_from_there(approach):
+    asked = {"samples": 100_000, "voxel": 0.2, "seed": 3}
+    every, some = (
+        mapped("example:ur5_robot", "tool0", **asked),
+        mapped("example:ur5_robot", "tool0", approach=approach, **asked),
+    )
+    model, drawn = every.coordinates.model, every.source.rows(0, 100_000)
+    placed = ks.fk(model, "tool0", every.coordinates.configuration(drawn, np.zeros(6))).matrix
+    arrives = placed[:, :3, 2] @ approach / np.linalg.norm(approach) >= np.cos(np.radians(15))
+    assert some.counted == some.reach_count.sum() == np.sum(arrives)
+    assert (some.count, some.outside, every.counted) == (100_000, 0, 100_000)
+    cells = some.grid.index(placed[arrives, :3, 3])
+    np.testing.assert_array_equal(np.bincount(cells, minlength=some.grid.count), some.reach_count.ravel())
+    assert np.all(
+        some.directions.ravel()[cells] & ~every.directions.ravel()[every.grid.index(placed[arrives, :3, 3])] == 0
+    )
+
+
+def test_an_approach_that_none_has_is_told():
+    with pytest.raises(UsageError, match="none of 2000 configurations"):
+        mapped("textbook:planar_2r", "tool", samples=2000, axes="xy", approach=(1, 0, 0))
+    for wrong in ((0, 0, 0), (1, 0), (math.nan, 0, 1), (math.inf, 0, 1)):
+        with pytest.raises(UsageError, match="an approach is a direction"):
+            mapped("textbook:planar_2r", "tool", samples=2000, axes="xy", approach=wrong)
+
+
+def test_rows_in_the_axes_of_the_tool_count():
+    asked = {"samples": 40_000, "axes": "xyz rx ry", "voxel": 0.2, "length": 0.3}
+    local = mapped("example:ur5_robot", "tool0", reference="local", **asked)
+    index = np.flatnonzero(local.reached)[::40]
+    q = local.configurations(index, np.zeros(6))
+    rows = ks.jacobian(local.coordinates.model, "tool0", q, reference="local").matrix[..., :5, :]
+    values = np.linalg.svd(rows / np.array([0.3] * 3 + [1] * 2)[:, None], compute_uv=False)[..., -1]
+    np.testing.assert_allclose(values, local.best_singular_value.ravel()[index], atol=1e-12)
+    aligned = mapped("example:ur5_robot", "tool0", **asked)
+    assert abs(np.nanmax(aligned.best_singular_value) - np.nanmax(local.best_singular_value)) > 1e-3
 
 
 def test_more_configurations_add_to_the_map():

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 import kinetostat as ks
+from kinetostat.analysis.coordinates import coordinates
 from kinetostat.analysis.sweeping.measures import MEASURES
 from kinetostat.analysis.sweeping.running import Outcome, run
 from kinetostat.analysis.sweeping.samples import BLOCK
-from kinetostat.analysis.sweeping.sweep import NEAR_SINGULAR, sweep, sweep_work
-from kinetostat.analysis.task import Task
+from kinetostat.analysis.sweeping.sweep import sweep, sweep_work
+from kinetostat.analysis.task import FULL, Task
+from kinetostat.analysis.typical_length import typical_length
 from trees import load_text
 
 ROBOTS = (
@@ -48,7 +50,8 @@ def zero(model):
 
 
 def rows_of(model, frame, **asked):
-    """Return configurations of the whole robot, {column: values}, and the sweep."""
+    """Return configurations of the whole robot, {column: values}, and the sweep; m and rad mixed, as in a Jacobian."""
+    asked = {"length": "none", **asked}
     blocks = []
     found = sweep(model, frame, zero(model), sink=blocks.append, **asked)
     work = sweep_work(model, frame, zero(model), **asked)
@@ -162,8 +165,10 @@ def test_a_planar_joints_rows_are_along_its_coordinates():
 @pytest.mark.parametrize(("source", "frame"), [("example:panda", "panda_hand"), ("textbook:planar_2r", "tool")])
 def test_a_summary_is_of_the_rows(source, frame):
     measures = "yoshikawa,inverse_condition_number,position,minimum_gradient"
-    model, below = model_of(source), {"yoshikawa": 0.05, "position.x": 0.0}
-    q, table, found = rows_of(model, frame, low_discrepancy=BLOCK + 500, measures=measures, below=below)
+    model, below, above = model_of(source), {"yoshikawa": 0.05, "position.x": 0.0}, {"position.x": 0.0, "position.y": 0}
+    q, table, found = rows_of(
+        model, frame, low_discrepancy=BLOCK + 500, measures=measures, below=below, above=above, near=0.03
+    )
     assert found.count == BLOCK + 500
     for name, values in table.items():
         one, known = found.measures[name], values[~np.isnan(values)]
@@ -179,7 +184,10 @@ def test_a_summary_is_of_the_rows(source, frame):
     for level in found.below:
         assert level.count == np.sum(table[level.column.name] < level.threshold)
         assert level.share == level.count / found.count
-    assert found.near_singular_share == np.mean(table["inverse_condition_number"] < NEAR_SINGULAR)
+    for level in found.above:
+        assert level.count == np.sum(table[level.column.name] > level.threshold)
+    assert len(found.above) == 2
+    assert found.near_singular_share == np.mean(table["inverse_condition_number"] < 0.03)
 
 
 def test_the_planar_arm_is_best_at_a_right_angle_and_worst_stretched():
@@ -190,6 +198,7 @@ def test_the_planar_arm_is_best_at_a_right_angle_and_worst_stretched():
         "tool",
         zero(model),
         grid={"joint1": (0, np.pi, 5), "joint2": (-np.pi / 2, np.pi / 2, 181)},
+        near=1e-3,
         axes="xy",
         measures="yoshikawa,minimum_singular_value,position",
         below={"minimum_singular_value": 1e-9},
@@ -272,6 +281,8 @@ def test_work_that_travelled_gives_the_same_bits():
         {"samples": None, "low_discrepancy": 500},
         {"measures": "yoshikawa,position"},
         {"below": {"yoshikawa": 0.2}},
+        {"above": {"yoshikawa": 0.2}},
+        {"near": 0.02},
         {"axes": "xyz"},
         {"length": 0.5},
         {"point": (0, 0, 0.1)},
@@ -387,7 +398,8 @@ def test_joints_outside_the_chain_are_where_the_list_has_them():
 
 def test_measures_are_told_of_their_units():
     model = model_of("textbook:rp")
-    work = sweep_work(model, "tool", np.zeros(2), samples=1, measures=[n for n in ALL if n != "effort_use"], axes="xy")
+    measures = [n for n in ALL if n != "effort_use"]
+    work = sweep_work(model, "tool", np.zeros(2), samples=1, measures=measures, axes="xy", length="none")
     units = {column.name: column.unit for column in work.columns}
     assert units["gravity_torque.joint1"] == "Nm"
     assert units["gravity_torque.joint2"] == "N"
@@ -409,12 +421,15 @@ def test_measures_are_told_of_their_units():
         ({"samples": 0}, "between 1 and"),
         ({"samples": 1, "measures": "yosikawa"}, "did you mean 'yoshikawa'"),
         ({"samples": 1, "measures": ""}, "measures something"),
-        ({"samples": 1, "below": {"isotropy": 0.1}}, "no measured column 'isotropy'"),
+        ({"samples": 1, "below": {"isotropi": 0.1}}, "did you mean 'isotropy'"),
+        ({"samples": 1, "above": {"position.w": 0.1}}, "no measured column 'position.w'"),
+        ({"samples": 1, "measures": "isotropy isotropy"}, "named twice"),
+        ({"samples": 1, "near": 0}, "between 0 and 1"),
         ({"samples": 1, "measures": "jacobian", "below": {"jacobian.vx.joint1": 0.1}}, "no measured column"),
         ({"samples": 1, "below": {"yoshikawa": math.nan}}, "finite"),
         ({"samples": 1, "reference": "world"}, "aligned or local"),
-        ({"samples": 1, "length": -1}, "--length"),
-        ({"samples": 1, "length": "long"}, "--length"),
+        ({"samples": 1, "length": -1}, "the length is auto, none"),
+        ({"samples": 1, "length": "long"}, "the length is auto, none"),
         ({"samples": 1, "axes": "q"}, "no axis"),
         ({"configurations": np.zeros((2, 3))}, "shape"),
         ({"configurations": np.zeros((0, 2))}, "no configuration"),
@@ -460,6 +475,62 @@ def test_slides_that_cannot_move_and_joints_without_limits_are_told_of():
     assert any("'s' cannot move within its limits" in line for line in warnings)
     assert any("no limits, so swept: t (-3.142 to 3.142 rad)" in line for line in warnings)
     assert not sweep_work(model, "c", np.zeros(2), grid="t=0:1:2", measures="position").warnings
+
+
+def test_a_configuration_without_turns_or_without_mixing_has_no_typical_length():
+    for source, task in (("textbook:skew_1p", "full"), ("textbook:planar_2r", "xy"), ("example:ur5_robot", "rx ry rz")):
+        model = model_of(source)
+        frame = "tool0" if "ur5" in source else model.robot.default_tip()
+        velocity = ks.jacobian(model, frame, zero(model)).velocity
+        chain = coordinates(model, velocity.of, velocity.relative_to)
+        assert typical_length(chain, FULL if task == "full" else Task.named(task)) is None
+
+
+def test_a_length_is_of_the_joint_range_and_not_of_what_is_swept():
+    model = model_of("example:panda")
+    chain = coordinates(model, "panda_hand", "panda_link0")
+    length = typical_length(chain, FULL)
+    assert sweep(model, "panda_hand", zero(model), samples=10).length == length
+    assert sweep(model, "panda_hand", zero(model), grid="panda_joint1=0:1:3", length="auto").length == length
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_effort_use_above_one_is_counted_always(workers):
+    model, few = model_of("example:ur5_robot"), {"elbow_joint": 5.0}
+    found = sweep(model, "tool0", zero(model), samples=2 * BLOCK, measures="effort_use", limits=few, workers=workers)
+    share = {one.column.name: one.share for one in found.above}
+    assert share["effort_use.elbow_joint"] == found.above[0].share > 0.3  # the elbow alone is too weak
+    assert share["effort_use.wrist_1_joint"] == 0
+    assert {one.threshold for one in found.above} == {1.0}
+    assert found.limits == few
+
+
+def test_a_part_of_a_list_has_its_rows_alone():
+    model = model_of("example:ur5_robot")
+    q = ks.random_configurations(model, 1, 2 * BLOCK + 5)
+    work = sweep_work(model, "tool0", zero(model), configurations=q, measures="yoshikawa,position")
+    light, heavy = work.with_part(work.part(())), len(pickle.dumps(work))
+    assert len(pickle.dumps(light)) < heavy / 20
+    assert light.digest != work.digest  # nobody is to take one for the other
+    for chunks in ((0,), (2,), (1, 2)):
+        part_of = light.with_part(work.part(chunks))
+        assert len(pickle.dumps(work.part(chunks))) < 48 * BLOCK * len(chunks) + 10_000
+        for chunk in chunks:
+            assert states_equal(part_of.compute(chunk), work.compute(chunk))
+    drawn = sweep_work(model, "tool0", zero(model), samples=10)
+    assert drawn.part((0,)) is drawn.source
+
+
+def test_a_list_is_outside_limits_where_it_is():
+    model = model_of("example:ur5_robot")
+    q = np.zeros((5, 6))
+    q[1, 2], q[3, 2], q[3, 0] = 9.0, -9.0, 7.0
+    (said,) = sweep_work(model, "tool0", zero(model), configurations=q).warnings
+    assert said == "2 of 5 configurations are outside limits: of 'shoulder_pan_joint', 'elbow_joint'"
+    (said,) = sweep_work(model, "tool0", zero(model), grid="shoulder_pan_joint=-9:9:7,elbow_joint=0:4:3").warnings
+    inside_pan, inside_elbow = 5, 2  # -6, -3, 0, 3, 6 of 2 pi; 0 and 2 of pi
+    assert said.startswith(f"{21 - inside_pan * inside_elbow} of 21 configurations")
+    assert not sweep_work(model, "tool0", zero(model), grid="elbow_joint=0:3:3").warnings
 
 
 def test_task_rows_are_in_the_answer():

@@ -39,7 +39,10 @@ def same(a, b):
 
 def tallies(parts, below=(0.5,)):
     starts = np.cumsum([0, *(len(part) for part in parts)])
-    return [Tally.of(np.array(part, dtype=float), int(at), below) for part, at in zip(parts, starts, strict=False)]
+    above = tuple(threshold + 0.25 for threshold in below)
+    return [
+        Tally.of(np.array(part, dtype=float), int(at), below, above) for part, at in zip(parts, starts, strict=False)
+    ]
 
 
 @settings(max_examples=40, deadline=None)
@@ -57,9 +60,9 @@ def test_any_order_and_grouping_gives_the_same_bits(parts, random):
 @settings(max_examples=50, deadline=None)
 @given(NUMBERS)
 def test_a_state_restores_the_tally(numbers):
-    tally = Tally.of(np.array(numbers, dtype=float), 17, (0.0, 0.5))
+    tally = Tally.of(np.array(numbers, dtype=float), 17, (0.0, 0.5), (0.0,))
     assert same(Tally.restored({k: v.copy() for k, v in tally.state().items()}), tally)
-    assert same(tally.merged(Tally(below=(0, 0))), tally)
+    assert same(tally.merged(Tally(below=(0, 0), above=(0,))), tally)
 
 
 @settings(max_examples=100, deadline=None)
@@ -70,10 +73,11 @@ def test_a_state_restores_the_tally(numbers):
 @example([1.7e308, 1.7e308, -1.0])
 def test_counts_and_extremes_are_those_of_the_list(numbers):
     values = np.array(numbers, dtype=float)
-    tally, known = Tally.of(values, 1000, (0.0, 0.5)), [x for x in numbers if not math.isnan(x)]
+    tally, known = Tally.of(values, 1000, (0.0, 0.5), (0.0, -1.0)), [x for x in numbers if not math.isnan(x)]
     assert tally.count == len(known)
     assert tally.invalid == len(numbers) - len(known)
     assert tally.below == (sum(x < 0 for x in known), sum(x < 0.5 for x in known))
+    assert tally.above == (sum(x > 0 for x in known), sum(x > -1 for x in known))
     if not known:
         assert tally.minimum is None
         assert tally.maximum is None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import signal
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
@@ -55,6 +56,27 @@ def test_an_executor_of_threads(work, alone):
 def test_processes(work, alone):
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
         assert bits(run(work, executor=executor)) == alone
+
+
+def test_a_list_travels_in_parts():
+    """Each task carries its rows alone; where each carried all of them, there was a warning, and time was lost."""
+    model = kinetostat.load("example:ur5_robot")
+    q = kinetostat.random_configurations(model, 0, 5 * 2**16 + 100)
+    work = sweep_work(model, "tool0", q[0], configurations=q, measures="minimum_singular_value,position")
+    tasks, alone = [], bits(run(work))
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
+        submit = executor.submit
+
+        def weighed(compute, task, part, losses):
+            tasks.append((len(task), len(pickle.dumps(part)), len(pickle.dumps(compute))))
+            return submit(compute, task, part, losses)
+
+        executor.submit = weighed
+        assert bits(run(work, executor=executor)) == alone
+    assert sum(count for count, *_ in tasks) == 6
+    for count, part, compute in tasks:
+        assert part <= count * 2**16 * 6 * 8 + 2000
+        assert compute < 1e6
 
 
 def test_a_killed_process(work, alone):

@@ -136,13 +136,22 @@ def rewritten(path: Path, **changes: object) -> None:
 @pytest.mark.parametrize(
     ("changes", "why"),
     [
-        ({"format": np.array(2)}, "another version"),
+        ({"format": np.array(1)}, "another version"),
         ({"format": None}, "damaged"),
         ({"format": np.array([1, 1])}, "damaged"),
         ({"done": None}, "damaged"),
         ({"done": np.array([[0, 51]])}, "damaged"),
         ({"done": np.array([[5, 3]])}, "damaged"),
         ({"state.total": None}, "damaged"),
+        ({"state.total": np.array([1], dtype=np.uint64)}, "damaged"),
+        ({"state.total": np.array(np.nan)}, "damaged"),
+        ({"state.times": np.ones((50, 0))}, "damaged"),
+        ({"done": np.array([[0, 49]])}, "damaged"),
+        ({"digest": np.array("another")}, "damaged"),
+        ({"chunks": np.array(51)}, "damaged"),
+        ({"sum": None}, "damaged"),
+        ({"sum": np.array([0.5, 1])}, "damaged"),
+        ({"state.more": np.zeros(1)}, "damaged"),
     ],
 )
 def test_a_foreign_archive(tmp_path, changes, why):
@@ -209,6 +218,62 @@ def test_no_folder_can_be_made(tmp_path):
     assert "cannot keep a checkpoint" in refused(Path("/proc/nothing"))
 
 
+def odd_things(tmp_path: Path) -> dict[str, Path]:
+    """What is no plain file, by name."""
+    found = {name: tmp_path / name for name in ("fifo", "endless", "dangling", "folder", "loop")}
+    os.mkfifo(found["fifo"])
+    found["endless"].symlink_to("/dev/zero")
+    found["dangling"].symlink_to(tmp_path / "nowhere")
+    found["folder"].mkdir()
+    found["loop"].symlink_to(found["loop"])
+    return found
+
+
+@pytest.mark.parametrize("kind", ["fifo", "endless", "dangling", "folder", "loop"])
+def test_odd_things_in_the_folder(tmp_path, kind):
+    folder = tmp_path / "kept"
+    folder.mkdir()
+    odd_things(tmp_path)[kind].rename(folder / "checkpoint.npz")
+    assert "is damaged, or no checkpoint" in refused(folder)
+    (folder / "lock").unlink()
+    (folder / "checkpoint.npz").rename(folder / "lock")
+    assert "cannot keep a checkpoint" in refused(folder)
+    assert not (tmp_path / "nowhere").exists()
+
+
+def test_a_checkpoint_too_large(tmp_path, monkeypatch):
+    run(TOY, checkpoint=tmp_path)
+    size = (tmp_path / "checkpoint.npz").stat().st_size
+    with (tmp_path / "checkpoint.npz").open("ab") as file:
+        file.truncate(2**40)  # a hole
+    assert "damaged" in refused(tmp_path)
+    with (tmp_path / "checkpoint.npz").open("r+b") as file:
+        file.truncate(size)
+    with np.load(tmp_path / "checkpoint.npz") as loaded:
+        kept = dict(loaded)
+    np.savez_compressed(tmp_path / "checkpoint.npz", **kept, more=np.zeros(10**6))
+    monkeypatch.setattr("kinetostat.analysis.sweeping.checkpoint._LARGEST", 10**6)
+    assert (tmp_path / "checkpoint.npz").stat().st_size < 10**5
+    assert "damaged" in refused(tmp_path)
+
+
+def test_what_a_link_in_place_of_the_draft_leads_to_is_left_alone(tmp_path):
+    target, folder = tmp_path / "precious", tmp_path / "kept"
+    target.write_text("precious")
+    folder.mkdir()
+    (folder / "checkpoint.npz.part").symlink_to(target)
+    assert run(TOY, checkpoint=folder).warnings == ()
+    assert target.read_text() == "precious"
+    assert sorted(path.name for path in folder.iterdir()) == ["checkpoint.npz", "lock"]
+    assert not (folder / "checkpoint.npz").is_symlink()
+
+
+def test_a_folder_without_a_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "has no name" in refused("")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_two_runs_at_once(tmp_path):
     with open_checkpoint(tmp_path):
         assert "in use by another run" in refused(tmp_path)
@@ -231,12 +296,33 @@ def test_worker_processes_do_not_hold_the_folder(tmp_path, method):
         assert run(TOY, executor=executor, checkpoint=tmp_path).complete
 
 
-def test_a_full_disk_for_a_while(tmp_path, often):
+@pytest.fixture
+def disk(monkeypatch):
+    """A set of chunks after which the disk is full: /dev/full answers as one does."""
+    full, real = set[int](), os.open
+    at = list[int]()
+
+    def opened(path, flags, *mode):
+        return (
+            real("/dev/full", os.O_WRONLY)
+            if at[-1:] and at[-1] in full and flags & os.O_EXCL
+            else real(path, flags, *mode)
+        )
+
+    def compute(toy, chunk):
+        at.append(chunk)
+        return Toy.compute(toy, chunk)
+
+    monkeypatch.setattr(os, "open", opened)
+    return full, compute
+
+
+def test_a_full_disk_for_a_while(tmp_path, often, disk):
+    full, counting = disk
+    full.update({10, 11, 12})
+
     class Filled(Toy):
-        def compute(self, chunk):
-            if chunk in {10, 11, 12}:  # /dev/full answers as a full disk does
-                (tmp_path / "checkpoint.npz.part").symlink_to("/dev/full")
-            return super().compute(chunk)
+        compute = counting
 
     outcome = run(Filled(), checkpoint=tmp_path)
     assert outcome.complete
@@ -246,12 +332,12 @@ def test_a_full_disk_for_a_while(tmp_path, often):
     assert run(replace(TOY, wrong=0), checkpoint=tmp_path).partial == TOY.expected()
 
 
-def test_a_full_disk_to_the_end_leaves_the_last_one_whole(tmp_path):
+def test_a_full_disk_to_the_end_leaves_the_last_one_whole(tmp_path, disk):
+    full, counting = disk
+    full.add(49)
+
     class Filled(Toy):
-        def compute(self, chunk):
-            if chunk == 49:
-                (tmp_path / "checkpoint.npz.part").symlink_to("/dev/full")
-            return super().compute(chunk)
+        compute = counting
 
     run(replace(TOY, interrupt=20), checkpoint=tmp_path)
     outcome = run(Filled(), checkpoint=tmp_path)

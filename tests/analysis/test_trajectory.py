@@ -7,7 +7,7 @@ import kinetostat as ks
 from kinetostat.analysis.trajectory import timeline as module
 from kinetostat.analysis.trajectory.differences import accelerations, rates
 from kinetostat.analysis.trajectory.extremes import extremes
-from kinetostat.analysis.trajectory.spans import runs
+from kinetostat.analysis.trajectory.spans import first_largest, runs
 from kinetostat.analysis.trajectory.trajectory import trajectory
 from trees import load_text, random_tree
 
@@ -102,6 +102,18 @@ def test_runs_are_the_stretches_of_a_flag():
         np.testing.assert_array_equal(found, flags)
 
 
+def test_the_worst_of_a_plateau_is_its_start():
+    values = 3.0 + 1e-13 * np.random.default_rng(3).normal(size=50)
+    values[:7] = 2.9
+    assert first_largest(values) == 7
+    assert first_largest(-values) == 0
+    assert first_largest(np.concatenate([[np.nan], 1e-17 * values, [5.0]])) == 51
+    assert first_largest(-np.array([4.0, 1e-17, 2.0, 1e-18])) == 1
+    assert first_largest(np.full(3, np.nan)) == 0
+    steep = np.array([0.0, 1.0, 1.0 + 1e-6, 1.0])
+    assert first_largest(steep) == 2
+
+
 # --- laws of motion --------------------------------------------------------------------------------------------------
 
 
@@ -178,6 +190,27 @@ def test_every_sample_is_what_the_single_questions_answer(name, frame):
     assert result.certificate.engines[:2] == ("pinocchio", "screw")
     assert result.certificate.agree
     assert result.computed == 25
+
+
+@pytest.mark.parametrize(
+    ("name", "frame", "axes"),
+    [
+        ("example:ur5_robot", "tool0", None),
+        ("example:panda", "panda_hand", "xyz"),
+        ("textbook:stanford", "tool", "xyz"),
+        ("textbook:stanford", "tool", None),
+    ],
+)
+def test_the_length_is_that_of_a_sweep_and_so_are_the_numbers(name, frame, axes):
+    model = ks.load(name)
+    q, _ = smooth(model, 12)
+    result = trajectory(model, frame, q, axes=axes)
+    swept = ks.sweep(model, frame, q[0], configurations=q[:1], axes=axes, length="auto")
+    assert swept.length == result.length
+    assert (result.length is None) == (name == "example:panda")
+    smallest = swept.measures["minimum_singular_value"]
+    assert smallest.minimum.value == pytest.approx(result.minimum_singular_value[0], rel=1e-9)
+    assert smallest.unit == result.unit
 
 
 def test_many_samples_are_those_of_few(ur5, monkeypatch):
@@ -298,18 +331,27 @@ def test_causes_of_a_real_arm(ur5, joint, name):
 
 def test_the_rates_that_are_needed_give_the_speed_the_hardest_way(ur5, planar):
     q = np.tile(ks.configuration(ur5, [0.3, -1.1, 0.01, 0.4, 1.3, 0.2]).q, (4, 1))
-    (span,) = trajectory(ur5, "tool0", q, axes="xyz", near=0.2).spans
-    matrix = ks.jacobian(ur5, "tool0", q[0]).matrix[:3]
+    q[:, 0] += 0.01 * np.arange(4)
+    time = np.arange(4) / 10
+    moving = trajectory(ur5, "tool0", q, time, axes="xyz", near=0.2)
+    (span,) = moving.spans
+    assert span.speed == np.max(moving.tool_speed) > 0
+    matrix = ks.jacobian(ur5, "tool0", q[span.worst]).matrix[:3]
     given = matrix @ span.needed
     assert np.linalg.norm(given) == pytest.approx(span.speed, rel=1e-9)
-    assert span.speed == 1.0
     generator = np.random.default_rng(0)
     for way in generator.normal(size=(50, 3)):  # no other direction costs more
-        cost = np.linalg.pinv(matrix) @ (way / np.linalg.norm(way))
+        cost = np.linalg.pinv(matrix) @ (way / np.linalg.norm(way)) * span.speed
         assert np.linalg.norm(cost) <= np.linalg.norm(span.needed) * (1 + 1e-9)
-    mixed = trajectory(ur5, "tool0", q, length=0.5, near=0.2).spans[0]
-    twist = ks.jacobian(ur5, "tool0", q[0]).matrix @ mixed.needed
-    assert np.linalg.norm(twist * [1, 1, 1, 0.5, 0.5, 0.5]) == pytest.approx(1.0, rel=1e-9)
+    mixed = trajectory(ur5, "tool0", q, time, length=0.5, near=0.2).spans[0]
+    twist = ks.jacobian(ur5, "tool0", q[mixed.worst]).matrix @ mixed.needed
+    assert np.linalg.norm(twist * [1, 1, 1, 0.5, 0.5, 0.5]) == pytest.approx(mixed.speed, rel=1e-9)
+    for untimed in trajectory(ur5, "tool0", q, axes="xyz", near=0.2).spans:
+        assert untimed.speed is None
+        assert untimed.needed is None
+    still = trajectory(ur5, "tool0", np.tile(q[0], (4, 1)), time, axes="xyz", near=0.2).spans[0]
+    assert still.speed == 0
+    assert not np.any(still.needed)
 
 
 def test_only_the_deepest_of_very_many_stretches_have_causes(planar):

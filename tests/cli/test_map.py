@@ -62,15 +62,54 @@ def test_the_table_fits_and_says_units(cli):
     assert max(len(line) for line in done.out.splitlines()) <= 80
     for word in ("m3", "voxels reached", "directions reached", "deg", "pinocchio and screw agree"):
         assert word in done.out
-    assert "m and rad are mixed" in done.err
+    assert "m and rad are mixed" not in done.err
+    assert "characteristic length 0.3467" in done.out
+    assert "\njoints " in done.out
     assert "a second" in done.err
+
+
+def test_metres_and_radians_are_mixed_on_demand_alone(cli):
+    done = cli("map", "example:ur5_robot", "-f", "tool0", *FEW, "--length", "none")
+    assert "m and rad are mixed" in done.err
+    assert "no characteristic length: metres and radians as they are" in done.out
+    assert "characteristic length" not in cli(*PLANAR).out
+
+
+def test_a_tool_that_points_one_way_has_no_count_of_directions(cli):
+    done = cli(*PLANAR)
+    assert "directions reached" not in done.out
+    assert "the z axis of tool points about one way only" in done.out
+
+
+def test_joints_that_are_drawn_are_not_warned_of(cli):
+    drawn = cli("map", "example:panda", "-f", "panda_hand", *FEW)
+    assert "outside" not in drawn.err
+    assert "warning" not in drawn.err
+    held = cli("map", "example:panda", "-f", "panda_hand", *FEW, "-q", "panda_finger_joint1=0.5,panda_joint4=0.5")
+    assert "'panda_finger_joint1' is at" in held.err
+    assert "panda_joint4" not in held.err
+    assert "other joints at panda_finger_joint1 0.5 (m, rad; others zero)" in " ".join(held.out.split())
+
+
+def test_only_what_points_down_is_mapped(cli):
+    weld = ("--axes", "xyz", "rx", "ry", "--reference", "local", "--approach", "0,0,-3")
+    asked = ("map", "example:ur5_robot", "-f", "tool0", "--samples", "50k", *weld)
+    done = cli(*asked)
+    said = " ".join(done.out.split())
+    assert "in the axes of tool0" in said
+    assert "rows that count: vx vy vz wx wy" in said
+    assert "only configurations with the z axis of tool0 within 15 degrees of (0, 0, -1)" in said
+    result = cli(*asked, "-F", "json").json["result"]
+    assert 0 < result["counted"] < 0.03 * result["count"]  # a cone of 15 degrees has 1.7 % of the directions
+    assert result["asked"]["approach"] == {"direction": [0.0, 0.0, -1.0], "within_degrees": 15.0}
+    assert result["asked"]["reference"] == "local"
 
 
 def test_csv_has_a_row_for_each_voxel(cli):
     done = cli(*PLANAR, "-F", "csv")
     lines = done.out.splitlines()
     assert lines[0] == (
-        "x [m],y [m],z [m],reach_count,best_singular_value [m/rad],mean_singular_value [m/rad],orientation_coverage"
+        "x [m],y [m],z [m],reach_count,best_singular_value [m/rad],mean_singular_value [m/rad],orientation_coverage [1]"
     )
     values = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
     assert values[:, 3].sum() == 20_000
@@ -106,18 +145,36 @@ def test_a_base_is_placed_in_the_middle_of_a_circle(cli, tmp_path, header):
     best = result["placements"][0]
     assert (best["reached"], len(result["poses"])) == (10, 10)
     assert np.hypot(best["x"] - 4, best["y"] + 2) < 1.5 * result["voxel_size"]
-    assert best["worst_singular_value"] == min(pose["smallest_singular_value"] for pose in best["poses"])
+    assert best["worst_singular_value"] == min(pose["minimum_singular_value"] for pose in best["poses"])
 
 
 def test_placement_as_a_table_csv_and_picture(cli, tmp_path):
     poses = circle(tmp_path / "poses.csv")
     table = cli(*PLANAR, "--poses", poses, "--plot", tmp_path / "place.png")
     assert max(len(line) for line in table.out.splitlines()) <= 80
-    assert "where to place base for 10 poses of tool" in table.out
+    assert "where to place the base (base) for 10 poses of tool" in table.out
     assert (tmp_path / "place.png").stat().st_size > 10_000
     lines = cli(*PLANAR, "--poses", poses, "-F", "csv").out.splitlines()
     assert lines[0].startswith("rank,x [m],y [m],yaw [rad],reached,promised,worst_singular_value [m/rad]")
     assert [line.split(",")[0] for line in lines[1:]] == [str(i + 1) for i in range(len(lines) - 1)]
+
+
+def test_poses_that_no_place_reaches_are_told(cli, tmp_path):
+    poses = tmp_path / "poses.csv"
+    poses.write_text("0.6,0.1,3.3,180,0,0\n0.9,-0.2,3.2,180,0,90\n")
+    asked = ("map", "example:ur5_robot", "-f", "tool0", *FEW, "--poses", poses, "--deg")
+    done = cli(*asked, "--plot", tmp_path / "place.svg")
+    said = " ".join(done.out.split())
+    assert done.code == 0
+    assert "no position of the base is known that reaches any of the 2 poses: they are at z = 3.2 to 3.3 m" in said
+    assert "the tool gets to z = " in said
+    assert "rank" not in said
+    assert "roll, pitch and yaw of the poses were read in degrees" in said
+    assert len(cli(*asked, "-F", "csv").out.splitlines()) == 1
+    result = cli(*asked, "-F", "json").json["result"]
+    assert result["placements"] == []
+    assert "z = 3.2 to 3.3 m" in result["placements_reason"]
+    assert result["pose_angles_read_in"] == "deg"
 
 
 def test_oriented_poses_of_a_real_arm(cli, tmp_path):
@@ -149,6 +206,16 @@ def test_oriented_poses_of_a_real_arm(cli, tmp_path):
         (("-o", "nowhere/map.npz", "--samples", "10"), "cannot write"),
         (("-o", "nowhere/map.vti", "--samples", "10"), "cannot write"),
         (("--poses", "nowhere.csv"), "no such file"),
+        (("--poses", "nowhere.csv", "--approach", "0,0,1"), "poses say it themselves"),
+        (("--approach", "0,0,0"), "an approach is a direction"),
+        (("--approach", "nan,0,1"), "--approach"),
+        (("--approach", "1,0,0", "--samples", "10"), "none of 10 configurations"),
+        (("--reference", "world"), "reference aligned or local"),
+        (("-o", "map.csv"), "-F csv"),
+        (("-o", "map.json"), "-F json"),
+        (("-o", "map.json", "-F", "csv"), "-F json"),
+        (("-o", "map.vtk"), ".vti"),
+        (("-o", "map.parquet"), ".npz"),
         (("-q", "joint1=nan"), "finite"),
     ],
 )
@@ -213,5 +280,5 @@ def test_a_map_that_is_interrupted_is_partial(cli, monkeypatch):
     monkeypatch.setattr(MapWork, "compute", interrupted)
     done = cli("map", "textbook:planar_2r", "--axes", "xy", "--samples", "400k", "-j", "1")
     assert done.code == 130
-    assert "map of 131,072 configurations" in done.out
+    assert "PARTIAL map, interrupted: 131,072 of 400,000 configurations" in done.out
     assert "interrupted: 131072 of 400000 configurations are in the map" in done.err

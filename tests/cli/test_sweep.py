@@ -123,7 +123,7 @@ def test_extremes_of_a_planar_arm_are_the_textbook_ones(ask):
     """w = l1 l2 |sin q2|, and x from l1 + l2 down, at positions that the grid has."""
     grid = ("--grid", "joint1=0:90:3,joint2=-180:180:361", "--deg")
     measures = "yoshikawa,position,minimum_singular_value"
-    result = ask(*PLANAR, *grid, "--measures", measures, "--below", "yoshikawa=1e-9")["result"]
+    result = ask(*PLANAR, *grid, "--measures", measures, "--below", "yoshikawa=1e-9", "--near", "1e-3")["result"]
     best, x = result["measures"]["yoshikawa"], result["measures"]["position.x"]
     assert best["maximum"]["value"] == pytest.approx(0.8, rel=1e-12)
     assert abs(best["maximum"]["configuration"]["joint2"]) == pytest.approx(np.pi / 2)
@@ -226,6 +226,9 @@ def test_the_page_in_words(cli):
     assert "of the origin of panda_hand, relative to panda_link0" in page
     assert "yoshikawa below 0.05" in page
     assert "near-singular" in page
+    assert "smallest singular value" in page
+    assert "smallest / largest" in page
+    assert "characteristic length 0.375" in page
     assert "configurations of the extremes" in page
     assert "computed again by Pinocchio" in page
 
@@ -324,8 +327,8 @@ def test_a_trajectory_with_bad_rows(cli, rows, tmp_path):
     assert found["joint2"].tolist() == [0.5, 1.5, 2.5]
     np.testing.assert_allclose(found["yoshikawa"], 0.8 * np.sin([0.5, 1.5, 2.5]), rtol=1e-12)
     answer = cli("sweep", *words, "-F", "json")
-    assert "row 2 is left out: 'x' is not a number" in answer.err
-    assert "row 4 is left out: 1 numbers are given, 2 are needed" in answer.err
+    assert "(line 3): joint2: 'x' is not a number" in answer.err
+    assert "(line 5): 1 cells, 2 are needed" in answer.err
     extremes = answer.json["result"]["measures"]["yoshikawa"]
     assert (extremes["maximum"]["row"], extremes["minimum"]["row"]) == (3, 1)
 
@@ -343,12 +346,12 @@ def test_many_bad_rows_are_counted(cli, tmp_path):
     path = tmp_path / "way.csv"
     path.write_text("0,0\n" + "x,0\n" * 20)
     said = cli("sweep", *PLANAR, "--trajectory", path).err
-    assert said.count("is left out") == 5
+    assert said.count("left out: row") == 5
     assert "15 more rows are left out" in said
     path.write_text("x,0\n" * 2)
     answer = cli("sweep", *PLANAR, "--trajectory", path)
     assert answer.code == 2
-    assert "no configuration in it" in answer.err
+    assert "no row can be used" in answer.err
 
 
 # --- refusals ------------------------------------------------------------------------------------------------------
@@ -379,8 +382,21 @@ def test_many_bad_rows_are_counted(cli, tmp_path):
         (("--grid", "joint1=0:1:2", "--seed", "3"), "--seed"),
         (("--samples", "10", "--seed", "-1"), "seed"),
         (("--samples", "10", "-o", "rows.xlsx"), ".csv, .npz or .parquet; or add --summary"),
-        (("--samples", "10", "--summary", "-o", "rows.npz"), "file of rows"),
-        (("--samples", "10", "-F", "json", "-o", "rows.parquet"), "file of rows"),
+        (("--samples", "10", "--summary", "-o", "rows.npz"), "no .npz file (leave out --summary for rows)"),
+        (("--samples", "10", "-F", "json", "-o", "rows.parquet"), "no .parquet file (leave out -F json for rows)"),
+        (("--samples", "10", "--summary", "-o", "z.json"), "no .json file (-F json)"),
+        (("--samples", "10", "-o", "z.json"), "no .json file (-F json for the summary"),
+        (("--samples", "10", "--summary", "-o", "z.csv"), "--summary -F csv for the summary"),
+        (("--samples", "10", "--summary", "-F", "csv", "-o", "z.json"), "(-F json)"),
+        (("--samples", "10", "-F", "csv", "-o", "z.npz"), "(leave out -F csv)"),
+        (("--samples", "10", "--above", "yoshikawa"), "--above: 'yoshikawa' is not of the form measure=number"),
+        (("--samples", "10", "--above", "isotropy=1", "--above", "isotropy=2"), "twice"),
+        (("--samples", "10", "--below", "jacobian.vx.joint1=2"), "no measured column"),
+        (("--samples", "10", "--measures", "isotropy", "--measures", "isotropy"), "named twice"),
+        (("--grid", "joint1=0:1:2", "--grid", "joint1=0:1:2"), "in the grid twice"),
+        (("--samples", "10", "--near", "2"), "between 0 and 1"),
+        (("--trajectory", "nowhere.npz"), "there is no such file"),
+        (("--trajectory", "nowhere.parquet"), "there is no such file"),
         (("--samples", "10", "-o", "rows.csv", "--checkpoint", "x"), "--checkpoint"),
         (("--samples", "10", "--plot", "x.gif"), ".svg"),
         (("--samples", "10", "-j", "2", "--scheduler", "tcp://127.0.0.1:1"), "--jobs"),
@@ -506,4 +522,205 @@ def test_a_scheduler_that_is_not_there(cli, monkeypatch):
 def test_a_plot(cli, tmp_path):
     answer = cli("sweep", *PANDA, "--samples", "500", "--plot", tmp_path / "how_often.svg")
     assert answer.code == 0
-    assert "minimum_singular_value" in (tmp_path / "how_often.svg").read_text()
+    assert "smallest singular value" in (tmp_path / "how_often.svg").read_text()
+    answer = cli("sweep", *PLANAR, "--grid", "joint1=0:1:3,joint2=-1:1:4", "--plot", tmp_path / "map.svg")
+    assert answer.code == 0
+    assert "where it is smallest" in (tmp_path / "map.svg").read_text()
+
+
+# --- what is asked for, and what is said of it ---------------------------------------------------------------------
+
+
+def test_options_that_are_given_twice_are_added(ask):
+    """The last one alone would be an answer to another question."""
+    once = ask(*PLANAR, "--grid", "joint1=0:1:3,joint2=0:1:5", "--measures", "yoshikawa,isotropy")["result"]
+    twice = ask(
+        *(*PLANAR, "--grid", "joint1=0:1:3", "--grid", "joint2=0:1:5"),
+        *("--measures", "yoshikawa", "--measures", "isotropy"),
+    )["result"]
+    assert twice == once
+    assert twice["count"] == 15
+    limits = ("--effort-limits", "joint1=5", "--effort-limits", "joint2=6", "--measures", "effort_use")
+    result = ask(*PLANAR, "--samples", "9", *limits, "--below", "effort_use=1", "--below", "isotropy=1")["result"]
+    assert result["asked"]["effort_limits"] == {"joint1": 5, "joint2": 6}
+    assert [one["measure"] for one in result["below"]] == ["effort_use", "isotropy"]
+
+
+def test_a_measure_that_only_a_threshold_names_is_measured(ask, cli):
+    words = (*PLANAR, "--samples", "400", "--measures", "yoshikawa", "--above", "position.x=0.5", "--payload", "2")
+    result = ask(*words, "--below", "effort_use=0.2", "--gravity-vector", "0,-9.81,0")["result"]
+    assert {"yoshikawa", "position.x", "effort_use"} <= set(result["measures"])
+    (above,) = [one for one in result["above"] if one["measure"] == "position.x"]
+    assert 0 < above["share"] < 1
+    refused = cli("sweep", *words)
+    assert "--payload belongs to weight" in refused.err
+
+
+def test_how_often_an_effort_limit_is_exceeded(ask, cli, rows):
+    words = (*PANDA, "--low-discrepancy", "3000", "--measures", "effort_use", "--payload", "9@0,0,0.1")
+    result = ask(*words, "--above", "effort_use=0.5")["result"]
+    uses = rows(*words)
+    shares = {(one["measure"], one["threshold"]): one["share"] for one in result["above"]}
+    assert shares["effort_use", 0.5] == pytest.approx(np.mean(uses["effort_use"] > 0.5))
+    for name in result["measures"]:
+        assert shares[name, 1.0] == pytest.approx(np.mean(uses[name] > 1))
+    page = flattened(cli("sweep", *words).out)
+    largest = max((max(values), name) for name, values in uses.items() if name.startswith("effort_use."))
+    joint = largest[1].removeprefix("effort_use.")
+    assert f"largest effort use: {joint}, {100 * largest[0]:.3g} %; over its limit in" in page
+    assert "payload 9 kg at (0, 0, 0.1) m of panda_hand" in page
+    (line,) = re.findall(r"effort use +% +.*? ([\d.]+)(?= )", page)[:1]
+    assert float(line) < 100 * largest[0]
+
+
+def test_the_answer_says_what_it_was_computed_for(ask, cli):
+    weight = ("--measures", "gravity_torque", "--payload", "3", "--gravity-vector", "0,0,-1.62")
+    words = (*PANDA, "--grid", "panda_joint2=0:0.5:3", "-q", "panda_joint1=0.3,panda_joint4=-1", *weight)
+    answer = ask(*words, "--point", "0,0,0.1", "--axes", "xyz")
+    asked = answer["result"]["asked"]
+    assert asked["payload"] == {"mass": 3, "frame": "panda_hand", "point": [0, 0, 0]}
+    assert asked["gravity"] == [0, 0, -1.62]
+    assert (asked["frame"], asked["relative_to"], asked["point"]) == ("panda_hand", "panda_link0", [0, 0, 0.1])
+    assert (asked["reference"], asked["rows"]) == ("aligned", ["vx", "vy", "vz"])
+    assert asked["characteristic_length"] is None  # nothing mixes
+    assert asked["held"]["panda_joint1"] == 0.3
+    assert "panda_joint2" not in asked["held"]
+    assert "panda_joint2" not in answer["configuration"]
+    assert answer["configuration"]["panda_joint4"] == -1
+    assert answer["result"]["source"]["grid"] == [
+        {"coordinate": "panda_joint2", "unit": "rad", "from": 0, "to": 0.5, "count": 3}
+    ]
+    page = flattened(cli("sweep", *words).out)
+    assert "gravity (0, 0, -1.62) m/s2" in page
+    assert "payload 3 kg" in page
+    assert "other joints at panda_joint1 0.3, panda_joint4 -1 (m, rad; others zero)" in page
+    drawn = ask(*PANDA, "--samples", "10")
+    assert [name for name in drawn["configuration"] if "finger" not in name] == []
+    assert drawn["result"]["asked"]["gravity"] is None  # nothing weighs
+
+
+@pytest.mark.parametrize("ending", [".npz", ".parquet"])
+def test_files_of_rows_say_what_they_are(cli, tmp_path, ending):
+    path = tmp_path / f"rows{ending}"
+    words = (
+        "--grid",
+        "joint1=0:1:3",
+        "--grid",
+        "joint2=-1:1:5",
+        "--point",
+        "0.1,0,0",
+        "--measures",
+        "yoshikawa,effort_use",
+    )
+    assert cli("sweep", "textbook:planar_2r", *words, "--axes", "x", "y", "--payload", "2", "-o", path).code == 0
+    if ending == ".npz":
+        with np.load(path) as found:
+            known = json.loads(str(found["about"]))
+            assert found["grid.joint1"].tolist() == [0, 0.5, 1]
+            assert found["grid.joint2"].tolist() == [-1, -0.5, 0, 0.5, 1]
+            shape = [axis["count"] for axis in known["source"]["grid"]]
+            assert np.array_equal(found["q"].reshape(*shape, 2)[:, 2, 0], found["grid.joint1"])
+    else:
+        from pyarrow import parquet
+
+        known = json.loads(parquet.read_metadata(path).metadata[b"kinetostat"])
+        early = json.loads(parquet.read_schema(path).metadata[b"kinetostat"])
+        assert early["asked"] == known["asked"]
+    assert known["asked"]["point"] == [0.1, 0, 0]
+    assert known["asked"]["rows"] == ["vx", "vy"]
+    assert known["asked"]["payload"]["mass"] == 2
+    assert known["crosscheck"]["agree"] is True
+    assert known["certified"]["count"] > 0
+    assert [axis["coordinate"] for axis in known["source"]["grid"]] == ["joint1", "joint2"]
+    assert {unit for field in known["fields"] for unit in field["units"]} == {"rad", "(m/rad)^2", "1"}
+
+
+@pytest.mark.parametrize("ending", [".csv", ".npz", ".parquet"])
+def test_rows_are_read_again(cli, rows, tmp_path, ending):
+    first = rows(*PLANAR, "--samples", "20", ending=ending)
+    source = (tmp_path / f"rows{ending}").rename(tmp_path / f"before{ending}")
+    again = rows(*PLANAR, "--trajectory", source)
+    assert list(again) == list(first)
+    for name, column in first.items():
+        assert column.tobytes() == again[name].tobytes(), name
+
+
+def test_what_is_no_archive_of_rows_is_refused(cli, tmp_path):
+    (tmp_path / "x.npz").write_bytes(b"PK nothing")
+    np.savez(tmp_path / "y.npz", q=np.zeros((3, 2)))
+    for name in "xy":
+        answer = cli("sweep", *PLANAR, "--trajectory", tmp_path / f"{name}.npz")
+        assert (answer.code, "no rows that sweep has written" in answer.err) == (2, True)
+    cli("sweep", *PLANAR, "--samples", "3", "-o", tmp_path / "z.npz")
+    answer = cli("sweep", *PANDA, "--trajectory", tmp_path / "z.npz")
+    assert (answer.code, "there is no joint 'joint1'" in answer.err) == (2, True)
+
+
+def test_a_trajectory_with_time_and_units_is_read(cli, rows, tmp_path):
+    path = tmp_path / "way.csv"
+    path.write_text("time [s],joint2 [deg]\n0,30\n0.1,90\n")
+    found = rows(*PLANAR, "--trajectory", path, "-q", "joint1=0.2", "--measures", "position")
+    assert found["joint1"].tolist() == [0.2, 0.2]
+    np.testing.assert_allclose(found["joint2"], np.radians([30, 90]), rtol=1e-15)
+
+
+# --- limits --------------------------------------------------------------------------------------------------------
+
+
+def test_a_grid_that_leaves_limits_says_so_once(cli):
+    said = cli("sweep", *PANDA, "--grid", "panda_joint2=-500:500:3", "--deg").err
+    assert said.count("warning") == 1
+    assert "3 of 3 configurations are outside limits: of 'panda_joint2', 'panda_joint4'" in said  # 4: at zero
+    said = cli("sweep", *PANDA, "--grid", "panda_joint2=-120:0:3", "--deg", "-q", "panda_joint4=-60").err
+    assert "1 of 3 configurations are outside limits: of 'panda_joint2'" in said
+    assert said.count("outside") == 1
+
+
+def test_joints_that_are_swept_are_not_said_to_be_outside(cli):
+    said = cli("sweep", *PANDA, "--samples", "10", "-q", "panda_joint1=0.2").err  # which puts joint 4 at zero
+    assert "outside" not in said
+    said = cli("sweep", *PANDA, "--samples", "10", "-q", "panda_finger_joint1=2").err
+    assert "joint 'panda_finger_joint1' is at 2 m, outside" in said
+
+
+def test_a_list_that_leaves_limits_says_so(cli, tmp_path):
+    path = tmp_path / "way.csv"
+    path.write_text("panda_joint4\n-1\n-9\n0\n")
+    said = cli("sweep", *PANDA, "--trajectory", path).err
+    assert "2 of 3 configurations are outside limits: of 'panda_joint4'" in said
+
+
+# --- pages that say all --------------------------------------------------------------------------------------------
+
+
+def test_names_are_never_cut(cli):
+    for words in (("--axes", "xyz"), ("--measures", ",".join(m for m in MEASURES if MEASURES[m].summary))):
+        page = cli("sweep", *PANDA, "--samples", "500", *words).out
+        assert ".." not in page
+        assert max(map(len, page.splitlines())) <= 80
+
+
+def test_what_is_left_out_is_told(cli):
+    page = flattened(cli("sweep", *PANDA, "--samples", "500", "--measures", "gravity_torque,effort_use,position").out)
+    assert "the same everywhere: gravity torque panda_joint1 0, effort use panda_joint1 0" in page
+    assert "extremes of 8 of 16 columns are shown; -F json has all" in page
+    assert "gravity torque panda_joint2 min" in page
+    assert "gravity torque panda_joint7 min" not in page  # the smallest by far
+
+
+def test_a_run_from_a_checkpoint_says_so(cli, tmp_path):
+    words = ("sweep", *PLANAR, "--samples", "1000", "--checkpoint", tmp_path)
+    assert "done before" not in cli(*words).err
+    assert "were done before: the checkpoint has them" in cli(*words).err
+
+
+def test_lengths(ask):
+    default, auto = ask(*PANDA, "--samples", "50"), ask(*PANDA, "--samples", "50", "--length", "auto")
+    assert default == auto
+    assert default["warnings"] == []
+    assert default["result"]["measures"]["yoshikawa"]["unit"] == "1"
+    mixed = ask(*PANDA, "--samples", "50", "--length", "none")
+    assert "m and rad are mixed" in mixed["warnings"][0]
+    slides = ask("textbook:skew_1p", "--samples", "50")  # no joint turns: there is no length
+    assert slides["result"]["asked"]["characteristic_length"] is None
+    assert "no turn moves a linear row that counts" in slides["warnings"][0]

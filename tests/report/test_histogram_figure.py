@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 import kinetostat as ks
-from kinetostat.analysis.sweeping.sweep import sweep
+from kinetostat.analysis.sweeping.sweep import sweep, sweep_work
 from kinetostat.report.figures import save
+from kinetostat.report.figures.heat_maps import MOST_POINTS, axes_of_map, heat_map_figure, is_map
 from kinetostat.report.figures.histograms import histogram_figure
+from kinetostat.report.measured import reading
 
 LONG = "a_name_that_goes_on_and_on_" * 5
 ASKED = {
@@ -44,17 +46,21 @@ def test_bars_and_lines_are_the_numbers_of_the_sweep(name):
         assert marks["0.05"] < marks["0.5"] < marks["0.95"]
         below = np.sum(shares[edges[1:] <= marks["0.5"]])
         assert below <= 51
-        assert one.column.name in ax.get_xlabel()
+        assert reading(one.column).name in ax.get_xlabel()
 
 
 def test_a_measure_that_is_the_same_everywhere_is_said():
-    *_, ax = histogram_figure(swept("constant")).axes
-    assert [text.get_text() for text in ax.texts] == ["0 everywhere"]
+    figure = histogram_figure(swept("constant"))
+    assert len(figure.axes) == 2
+    assert any(text.get_text() == "the same everywhere: position z 0" for text in figure.texts)
 
 
 def test_the_first_of_many_columns_are_drawn():
-    figure = histogram_figure(swept("all"))
+    model = ks.load("example:panda")
+    asked = "position,gravity_torque,effort_use"
+    figure = histogram_figure(sweep(model, "panda_hand", ks.configuration(model, "zero").q, samples=99, measures=asked))
     assert len(figure.axes) == 12
+    assert not any("everywhere" in text.get_text() for ax in figure.axes for text in ax.texts)
     assert any("the first 12 of" in text.get_text() for text in figure.texts)
 
 
@@ -115,3 +121,54 @@ def test_the_same_sweep_gives_the_same_bytes(tmp_path, suffix):
         save(histogram_figure(swept("three")), tmp_path / f"{i}.{suffix}")
         written.append((tmp_path / f"{i}.{suffix}").read_bytes())
     assert written[0] == written[1]
+
+
+# --- maps ----------------------------------------------------------------------------------------------------------
+
+
+def mapped(**asked):
+    """Return a sweep of a grid over two joints of three, and the values of its columns."""
+    model = ks.load("textbook:planar_3r")
+    asked = {"grid": {"joint3": (-1, 1, 5), "joint1": (0, 2, 3)}, "axes": "x y", "measures": "position", **asked}
+    work = sweep_work(model, "tool", np.array([0.0, 0.4, 0.0]), **asked)
+    return sweep(model, "tool", np.array([0.0, 0.4, 0.0]), **asked), work.summed_values(), work
+
+
+def test_a_map_has_the_numbers_of_the_rows():
+    result, values, work = mapped()
+    figure = heat_map_figure(result, values, degrees=True)
+    panels = [ax for ax in figure.axes if ax.get_xlabel()]
+    assert [ax.get_title(loc="left") for ax in panels] == ["position x [m]", "position y [m]"]  # z is the same
+    q, model = work.source.rows(0, 15), ks.load("textbook:planar_3r")
+    for i, ax in enumerate(panels):
+        (mesh,) = ax.collections
+        drawn = np.asarray(mesh.get_array()).reshape(5, 3)  # rows: joint3; columns: joint1
+        expected = [[ks.fk(model, "tool", q[5 * a + b]).position[i] for a in range(3)] for b in range(5)]
+        np.testing.assert_allclose(drawn, expected, atol=1e-12)
+        assert (ax.get_xlabel(), ax.get_ylabel()) == ("joint1 [deg]", "joint3 [deg]")
+        low, high = (line.get_xydata()[0] for line in ax.lines[::-1])
+        one = list(result.measures.values())[i]
+        np.testing.assert_allclose(high, np.degrees(one.maximum.q[[0, 2]]))
+        np.testing.assert_allclose(low, np.degrees(one.minimum.q[[0, 2]]))
+
+
+@pytest.mark.parametrize("measures", ["yoshikawa", "position,yoshikawa,singular_values,yoshikawa_gradient"])
+def test_no_text_of_a_map_is_cut_and_none_covers_another(measures):
+    figure = heat_map_figure(*mapped(measures=measures)[:2])
+    page, found = figure.bbox, texts(figure)
+    for text, box in found:
+        assert page.x0 <= box.x0, text
+        assert box.x1 <= page.x1, text
+        assert page.y0 <= box.y0, text
+        assert box.y1 <= page.y1, text
+    for (one, a), (other, b) in combinations(found, 2):
+        assert a.x1 <= b.x0 or b.x1 <= a.x0 or a.y1 <= b.y0 or b.y1 <= a.y0, (one, other)
+
+
+def test_what_is_a_map():
+    assert is_map(mapped()[2].source)
+    assert not is_map(mapped(grid="joint1=0:1:3,joint2=0:0:1")[2].source)
+    model = ks.load("textbook:planar_3r")
+    fine = sweep_work(model, "tool", np.zeros(3), grid=f"joint1=0:1:{MOST_POINTS},joint2=0:1:2").source
+    assert axes_of_map(fine) == (0, 1)
+    assert not is_map(fine)

@@ -109,3 +109,17 @@ def test_places_of_the_base_are_drawn_with_their_share(planar):
     assert np.isnan(shares[0, 0])
     points = [line.get_xydata() for line in ax.lines if len(line.get_xydata()) == 8]
     np.testing.assert_allclose(points[0], poses[:, :2, 3])
+
+
+def test_the_approach_is_told():
+    figure = capability_figure(mapped("example:ur5_robot", "tool0", samples=65_536, approach=(0, 0, -1)))
+    assert any("within 15 degrees of (0, 0, -1)" in text.get_text() for text in figure.texts)
+
+
+def test_poses_that_no_place_reaches_are_drawn(tmp_path):
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    poses[:, 2, 3] = 5.0
+    spatial = mapped("example:ur5_robot", "tool0", samples=20_000, axes="xyz")
+    found = base_placement(spatial.coordinates.model, spatial, Pose(poses, oriented=False), np.zeros(6))
+    save(placement_figure(found), tmp_path / "place.svg")
+    assert (tmp_path / "place.svg").stat().st_size > 1000

@@ -13,7 +13,7 @@ from kinetostat.analysis.capability.capability_map import capability_map
 from kinetostat.errors import UsageError
 from kinetostat.report.map_files import write_map
 
-FIELDS = ("reach_count", "best_singular_value", "mean_singular_value", "orientation_coverage")
+FIELDS = ("reach_count", "best_singular_value", "mean_singular_value", "orientation_coverage", "directions")
 OPENING = {"schema": "kinetostat/map/1"}
 
 
@@ -44,7 +44,7 @@ def vtk_image(path):
     shape = [high - low for low, high in zip(extent[::2], extent[1::2], strict=True)]
     arrays = {}
     for entry in image.iter("DataArray"):
-        kind = {"Int64": "<i8", "Float64": "<f8"}[entry.get("type")]
+        kind = {"Int64": "<i8", "UInt64": "<u8", "Float64": "<f8"}[entry.get("type")]
         offset = int(entry.get("offset"))
         (size,) = struct.unpack_from("<Q", rest, offset)
         values = np.frombuffer(rest, kind, size // 8, offset + 8)
@@ -67,18 +67,40 @@ def test_programs_read_what_was_computed(result, tmp_path):
     path = tmp_path / "map.npz"
     write_map(result, path, OPENING)
     with np.load(path, allow_pickle=False) as file:
-        for name in (*FIELDS, "directions"):
+        for name in FIELDS:
             np.testing.assert_array_equal(file[name], getattr(result, name))
             assert file[name].dtype == getattr(result, name).dtype
         for axis, middles in zip("xyz", result.grid.axes, strict=True):
             np.testing.assert_array_equal(file[axis], middles)
         about = json.loads(str(file["about"]))
-        centres = file["direction_centres"]
+        axes, masks = file["direction_axes"], file["directions"]
         assert float(file["voxel_size"]) == 0.2
     assert about["schema"] == "kinetostat/map/1"
     assert about["shape"] == list(result.grid.shape)
     assert about["singular_value_unit"] == "1"
-    assert len(centres) == about["directions"]
+    assert len(axes) == about["directions"]
+    np.testing.assert_array_equal(axes[[0, -1]], [[0, 0, 1], [0, 0, -1]])
+    # Each voxel's best configuration arrives from a direction whose bit is set, or from just beside it.
+    index = np.flatnonzero(result.reached)[::50]
+    z = ks.fk(result.coordinates.model, "tool", result.configurations(index, result.held)).matrix[:, :3, 2]
+    arrives = (masks.ravel()[index, None] >> np.arange(len(axes), dtype=np.uint64)) & np.uint64(1) == 1
+    assert np.all(np.max(np.where(arrives, z @ axes.T, -1), axis=1) > np.cos(np.radians(25)))
+
+
+def test_about_says_what_the_map_was_asked_for(tmp_path):
+    model = ks.load("example:panda")
+    q = ks.configuration(model, {"panda_finger_joint1": 0.02}).q
+    asked = {"axes": "xyz rx ry", "reference": "local", "point": (0, 0, 0.1), "approach": (0, 0, -2)}
+    map_ = capability_map(model, "panda_hand", q, samples=20_000, **asked)
+    write_map(map_, tmp_path / "map.npz", OPENING)
+    with np.load(tmp_path / "map.npz", allow_pickle=False) as file:
+        found = json.loads(str(file["about"]))["asked"]
+    assert (found["frame"], found["relative_to"], found["point"]) == ("panda_hand", "panda_link0", [0, 0, 0.1])
+    assert (found["reference"], found["expressed_in"]) == ("local", "panda_hand")
+    assert found["rows"] == ["vx", "vy", "vz", "wx", "wy"]
+    assert found["characteristic_length"] == map_.length
+    assert found["approach"] == {"direction": [0, 0, -1], "within_degrees": 15}
+    assert found["held"] == {"panda_finger_joint1": 0.02}
 
 
 @pytest.mark.parametrize("name", ["map.npz", "map.vti", "MAP.VTI", "a map.NPZ"])

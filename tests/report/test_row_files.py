@@ -126,6 +126,23 @@ def test_units(tmp_path):
     assert parquet.ParquetFile(tmp_path / "rows.parquet").metadata.num_row_groups == 1
 
 
+@pytest.mark.parametrize("ending", [".npz", ".parquet"])
+def test_what_the_rows_have_told_is_in_the_file(tmp_path, ending):
+    path, parts, about = tmp_path / f"rows{ending}", arrays(3), {"seed": 7}
+    with open_rows(path, FIELDS, about, 3, {"grid.elbow": np.arange(4.0)}) as rows:
+        rows.write(np.arange(3), parts)
+        about["agree"] = True
+    if ending == ".npz":
+        with np.load(path) as found:
+            assert found["grid.elbow"].tolist() == [0, 1, 2, 3]
+            known = json.loads(str(found["about"]))
+    else:
+        from pyarrow import parquet
+
+        known = json.loads(parquet.read_metadata(path).metadata[b"kinetostat"])
+    assert (known["seed"], known["agree"]) == (7, True)
+
+
 def test_a_row_group_a_block(tmp_path):
     write(tmp_path / "rows.parquet", arrays(11), (4, 7))
     from pyarrow import parquet

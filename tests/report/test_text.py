@@ -49,6 +49,26 @@ def test_words_are_cut_in_their_middle_and_the_last_column_is_folded():
     assert sum(line.count("word") for line in shown) == 40
 
 
+def test_numbers_are_never_cut_and_headers_above_them_are_folded():
+    row = ("1", "12.345678 s", "112.345678 s", "row 1234567", "3.1e-05", "some_joint_of_a_long_name", "word " * 20)
+    header = ("", "from", "to", "the worst moment at", "smallest / largest", "joint", "what it takes")
+    shown = lines(Table(header, (row, row), words=True))
+    assert max(map(len, shown)) <= 80
+    page = "\n".join(shown)
+    for number in row[1:5]:
+        assert page.replace("112.345678", "x" if number == row[1] else "112.345678").count(number) == 2
+    assert page.count("..") == 2  # the name alone
+    head = " ".join(" ".join(line.split()) for line in shown[: next(i for i, s in enumerate(shown) if "12.3" in s)])
+    assert set(" ".join(header).split()) <= set(head.split())
+    assert page.count("word") == 40
+
+
+def test_a_name_beside_a_number_is_cut_all_the_same():
+    row = ("x" * 70, "3.5 s", "word " * 10)
+    shown = lines(Table(("name", "at", "what"), (row, ("7", "3.5 s", "")), words=True))
+    assert max(map(len, shown)) <= 80
+
+
 def test_control_characters_become_text():
     shown = text.render(View("title", (Table(("name",), (("a\x1b[31m\nb",),), words=True),)))
     assert "\x1b" not in shown

@@ -9,7 +9,7 @@ import kinetostat as ks
 from kinetostat.analysis.trajectory.trajectory import trajectory
 from kinetostat.report.figures import save
 from kinetostat.report.figures.timelines import _thinned, timeline_figure
-from kinetostat.report.trajectory_rows import FileRows
+from kinetostat.report.trajectory_rows import BadRow, FileRows
 
 
 def rows(count):
@@ -30,10 +30,10 @@ def labels(figure):
 
 def test_every_panel_has_its_unit(planar):
     figure = timeline_figure(planar, rows(121))
-    expected = ["position [rad]", "smallest / largest", "tool speed [m/s]", "static effort [%]", "turning [rad/s]"]
-    assert labels(figure) == expected
+    expected = ["position [rad]", "smallest / largest", "tool speed [m/s]", "velocity limit [%]", "static effort [%]"]
+    assert labels(figure) == [*expected, "turning [rad/s]"]
     assert "position [deg]" in labels(timeline_figure(planar, rows(121), degrees=True))
-    assert figure.axes[3].get_xlabel() == "time [s]"
+    assert figure.axes[4].get_xlabel() == "time [s]"
 
 
 def test_the_lines_are_the_samples(planar):
@@ -46,10 +46,60 @@ def test_the_lines_are_the_samples(planar):
     np.testing.assert_array_equal(shown[ratio > 1e-6], ratio[ratio > 1e-6])
     assert any(abs(line.get_ydata()[0] - np.pi) < 1e-6 for line in top.lines[2:])  # the limit that is near
     (span,) = planar.spans
-    for ax in figure.axes[:4]:
+    for ax in figure.axes[1:5]:
         (shade,) = ax.patches
         assert shade.get_x() == planar.time[span.first]
         assert shade.get_x() + shade.get_width() == pytest.approx(planar.time[span.last])
+
+
+def texts(figure):
+    legend = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    return [*legend, *(text.get_text() for text in figure.texts)]
+
+
+def test_violations_are_bands_in_the_panel_of_their_kind():
+    model = ks.load("textbook:planar_2r")
+    time = np.arange(60) * 0.05
+    q = np.stack([np.where(time < 2, 1.0, 3.3), np.full(60, 1.2)], axis=1)  # a jump, and beyond pi from there on
+    result = trajectory(model, "tool", q, time, gravity=(0, -9.81, 0), limits={"joint2": 0.01})
+    figure = timeline_figure(result, rows(60))
+    panels = dict(zip(labels(figure), figure.axes, strict=True))
+    expected = {"position": "position [rad]", "velocity": "velocity limit [%]", "effort": "static effort [%]"}
+    assert {one.kind for one in result.violations} == set(expected)
+    for one in result.violations:
+        shade = panels[expected[one.kind]].patches[-1]
+        assert shade.get_x() <= time[one.first] + 1e-9
+        assert shade.get_x() + shade.get_width() >= time[one.last] - 1e-9
+    assert not panels["smallest / largest"].patches
+    assert not panels["tool speed [m/s]"].patches
+    used = panels["velocity limit [%]"]
+    assert used.lines[0].get_ydata().max() == pytest.approx(100 * 2.3 / 0.05 / result.speed_limits[0])
+    assert any(set(line.get_ydata()) == {100} for line in used.lines)
+    assert "beyond a limit" in texts(figure)
+    assert any("effort limits as given" in text for text in texts(figure))
+
+
+def test_many_violations_are_few_bands():
+    model = ks.load("textbook:planar_2r")
+    q = np.stack([3.2 * (np.arange(20_000) % 2), np.full(20_000, 0.5)], axis=1)
+    figure = timeline_figure(trajectory(model, "tool", q), rows(20_000))
+    assert len(figure.axes[0].patches) < 1600
+
+
+def test_rows_that_are_left_out_are_marked(planar):
+    numbers = np.delete(np.arange(123) + 1, [40, 41])
+    bad = (BadRow(41, 42, "x"), BadRow(42, 43, "x"))
+    figure = timeline_figure(planar, FileRows(numbers, 123, bad))
+    (mark,) = (line for line in figure.axes[0].lines if line.get_marker() == "x")
+    assert all(planar.time[39] < x < planar.time[40] for x in mark.get_xdata())
+    assert len(mark.get_xdata()) == 2
+    assert "rows left out: 2" in texts(figure)
+
+
+def test_a_ratio_that_is_clipped_is_said_to_be(planar):
+    assert any("drawn as 1e-06" in text for text in texts(timeline_figure(planar, rows(121))))
+    away = trajectory(planar.mechanism.model, "tool", planar.q[:20], planar.time[:20])
+    assert not any("1e-06" in text for text in texts(timeline_figure(away, rows(20))))
 
 
 def test_nothing_of_speed_without_time(planar):

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from kinetostat.conventions import Reference
 from kinetostat_cli import runs
-from kinetostat_cli.console import Answer, configuration, load, progress_bar, refuse, triple, write_answer
+from kinetostat_cli.console import Answer, asked_configuration, load, progress_bar, refuse, triple, warn, write_answer
 from kinetostat_cli.options import (
     AxesOption,
     ConfigurationOptions,
@@ -17,6 +18,7 @@ from kinetostat_cli.options import (
     FrameOption,
     OutputOptions,
     PointOption,
+    ReferenceOption,
     RelativeToOption,
     RobotOptions,
     RunOptions,
@@ -53,20 +55,29 @@ def map_(
         typer.Option(metavar="SIZE", help="Edge of a voxel in m. Default: near a twentieth of the reach."),
     ] = None,
     axes: AxesOption = None,
+    reference: ReferenceOption = Reference.ALIGNED,
     length: Annotated[
         str,
         typer.Option(
             metavar="L|auto|none", help="Length in m that makes metres and radians comparable; none: mix them."
         ),
-    ] = "none",
+    ] = "auto",
+    approach: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,Z",
+            help="Map only configurations whose tool z axis is within 15 degrees of this direction of the observer's "
+            "axes: 0,0,-1 for a torch that points down.",
+        ),
+    ] = None,
     relative_to: RelativeToOption = None,
     point: PointOption = None,
     poses: Annotated[
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Rank positions of the base, in the plane z = 0 and turned about z, for a list of tool poses in the "
-            "world: rows of numbers as of ik --poses.",
+            help="Find positions of the base, in the plane z = 0 and turned about z, for a list of tool poses in the "
+            "world: rows of numbers as of ik --poses, roll, pitch, yaw in rad, or with --deg in degrees.",
         ),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, metavar="S", help="Of what is drawn.")] = 0,
@@ -82,38 +93,49 @@ def map_(
     """Map where a tool gets, and how well it moves there.
 
     Voxel by voxel: how many configurations reach it, the best and the mean smallest singular value, and from how many
-    of 58 directions the tool's z axis arrives. With -o FILE.npz the map for programs, with -o FILE.vti for a 3-D viewer
-    such as ParaView. The same numbers, to the bit, for any number of threads.
+    of 58 directions the tool's z axis arrives. The same numbers, to the bit, for any number of threads.
 
-    Example: kinetostat map example:ur5_robot -f tool0 --axes xyz
+    With -o FILE.npz the map for programs, with -o FILE.vti for a 3-D viewer such as ParaView: arrays (a, b, c) along x,
+    y, z: reach_count, best_singular_value, mean_singular_value, orientation_coverage, directions. Bit i of directions
+    is row i of direction_axes (58, 3), of the .npz as x, y, z (middles of voxels) and about (JSON) are.
+
+    Example: kinetostat map example:ur5_robot -f tool0 --approach 0,0,-1
     """
     from kinetostat.analysis.capability.capability_map import capability_map
+    from kinetostat_cli.recording import held_joints
 
+    refuse(poses is not None, {"--approach": approach}, "does not go with --poses", "poses say it themselves")
     refuse(low_discrepancy is not None, {"--samples": samples}, "does not go with --low-discrepancy", "choose one")
     if plot is not None:
         from kinetostat.report.figures import check_suffix
 
         check_suffix(plot)
     runs.check(run)
+    _check_output(output)
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
-    q = configuration(model, at)
+    rest = asked_configuration(model, at)
     wanted = None if poses is None else _poses(poses, at, axes)
     with runs.running(run) as how:
         result = capability_map(
             model,
             tip,
-            q.q,
+            rest.q,
             **_counts(samples, low_discrepancy),
             voxel=voxel,
             seed=seed,
             axes=axes,
+            reference=reference,
             length=length,  # type: ignore[arg-type]
+            approach=triple(approach, "--approach"),
             relative_to=relative_to,
             point=triple(point, "--point"),
             checkpoint=run.checkpoint,
             **how,
         )
+    names = model.robot.position_names
+    q = held_joints(rest, [names[i] for i in result.coordinates.indices])
+    warn(q.warnings)
     runs.say_rate(result)
     output = _map_written(result, model, output)
     if wanted is None:
@@ -152,6 +174,20 @@ def _poses(file: Path, at: ConfigurationOptions, axes: str | None) -> Pose:
     if not len(poses):
         raise ConfigurationError("no pose in it", file=str(file), remedy="write rows x,y,z,roll,pitch,yaw")
     return Pose(poses, oriented)
+
+
+def _check_output(output: OutputOptions) -> None:
+    """Refuse a file whose ending says another format than what would be written to it.
+
+    Raises:
+        UsageError: it does.
+    """
+    from kinetostat_cli.endings import refuse_ending
+
+    map_files = "a map is written to .npz, or to .vti for viewers"
+    wrong = {".vtk": map_files, ".npy": map_files, ".parquet": map_files}
+    wrong |= {f".{form}": f"-F {form}" for form in (Format.CSV, Format.JSON) if form is not output.format}
+    refuse_ending(output.output, wrong)
 
 
 def _map_written(result: CapabilityMap, model: Model, output: OutputOptions) -> OutputOptions:
@@ -215,7 +251,7 @@ def _answer_placement(
     answer = Answer(
         "map",
         lambda: report.placement_view(found, q, degrees=at.deg),
-        lambda: report.placement_result(found, q),
+        lambda: report.placement_result(found, q, degrees=at.deg),
         model,
         q,
         combined([result.certificate, found.certificate]),

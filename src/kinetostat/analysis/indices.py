@@ -9,9 +9,10 @@ import numpy as np
 from kinetostat.analysis.task import Task
 from kinetostat.conventions import Array
 
-__all__ = ["ROUNDING", "STRICT", "inverse_condition_number", "isotropy", "powered", "singular_value_unit"]
+__all__ = ["NEAR", "ROUNDING", "STRICT", "inverse_condition_number", "isotropy", "powered", "singular_value_unit"]
 
 ROUNDING = 1e-13  # m or rad: a matrix without a larger entry is zero
+NEAR = 0.01  # smallest over largest singular value: below it a configuration counts as near-singular
 STRICT = 1e-9  # of the largest singular value: below it a singular value is zero
 
 

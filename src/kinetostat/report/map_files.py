@@ -27,9 +27,14 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same map gives the same bytes
 def write_map(result: CapabilityMap, path: Path, opening: dict[str, Any]) -> None:
     """Write a map by the file's ending: arrays (a, b, c) along x, y, z by name.
 
-    Both have `reach_count`, `best_singular_value`, `mean_singular_value` (NaN where nothing reaches) and
-    `orientation_coverage`. NPZ has also `directions` (bits) with `direction_centres` (58, 3), the middles of voxels
-    `x`, `y`, `z` in m, and `about`, a JSON text with units.
+    Both have `reach_count`, `best_singular_value`, `mean_singular_value` (NaN where nothing reaches),
+    `orientation_coverage` (a share) and `directions`: bit i, counted from the lowest, is set where the tool's z axis
+    arrives from about row i of `direction_axes` (58, 3), unit vectors in the observer's axes; row 0 is +z, row 57 -z.
+    NPZ has also these, the middles of voxels `x`, `y`, `z` in m, and `about`, a JSON text with units and all that the
+    map was asked for.
+
+        with np.load("map.npz") as file:
+            down = (file["directions"] >> np.uint64(57)) & np.uint64(1) == 1  # (a, b, c)
 
     Args:
         result: the map.
@@ -55,6 +60,7 @@ def _fields(result: CapabilityMap) -> dict[str, Any]:
         "best_singular_value": result.best_singular_value,
         "mean_singular_value": result.mean_singular_value,
         "orientation_coverage": result.orientation_coverage,
+        "directions": result.directions,
     }
 
 
@@ -62,8 +68,7 @@ def _write_npz(result: CapabilityMap, path: Path, opening: dict[str, Any]) -> No
     x, y, z = result.grid.axes
     about = json.dumps({**opening, **map_about(result)}, ensure_ascii=False)
     arrays = _fields(result) | {
-        "directions": result.directions,
-        "direction_centres": centres(),
+        "direction_axes": centres(),
         "x": x,
         "y": y,
         "z": z,

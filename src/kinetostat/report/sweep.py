@@ -3,53 +3,69 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
-from dataclasses import replace
-from itertools import groupby
+from dataclasses import dataclass
+from itertools import groupby, zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetostat.analysis.configuration import neutral
-from kinetostat.conventions import Array
-from kinetostat.errors import cut
-from kinetostat.report.json import nested, number
+from kinetostat.analysis.configuration import Configuration, neutral
+from kinetostat.analysis.sweeping.samples import GridSource
+from kinetostat.conventions import GRAVITY, Array
+from kinetostat.errors import cut, quote
+from kinetostat.report.json import closing, nested, number
+from kinetostat.report.measured import reading
 from kinetostat.report.row_files import Numbers, RowField
 from kinetostat.report.view import Cell, Table, View, configuration_note, velocity_label
 
 if TYPE_CHECKING:
-    from kinetostat.analysis.configuration import Configuration
     from kinetostat.analysis.sweeping.measures import Column
-    from kinetostat.analysis.sweeping.sweep import Distribution, Extreme, Sweep, SweepWork
+    from kinetostat.analysis.sweeping.sweep import Beyond, Distribution, Extreme, Sweep, SweepWork
 
-__all__ = ["row_fields", "row_values", "rows_about", "sweep_result", "sweep_view"]
+__all__ = [
+    "beyond_notes",
+    "grid_arrays",
+    "held_joints",
+    "row_fields",
+    "row_values",
+    "rows_about",
+    "sweep_result",
+    "sweep_view",
+]
 
 _NOISE = 1e-14  # below it, what rounding leaves of a zero
 _PERCENTS = {"5 %": 0.05, "median": 0.5, "95 %": 0.95}
 _BINS, _BAR = 10, 14  # of a small histogram: lines, and characters of the longest bar
 _BESIDE = 3  # small histograms side by side
 _DRAWN = ("random", "low-discrepancy")
-_MOST_SHOWN = 6  # measures whose histograms and extremes a page shows
+_MOST_EXTREMES = 8  # columns whose extremes a page shows
+_WIDTH, _BETWEEN, _LEAST = 80, 2, 12  # of a page, between columns of it, and of the column of names, in characters
 
 
 def sweep_view(result: Sweep, at: Configuration, *, degrees: bool) -> View:
-    """Return the view: what each measure is over all configurations, how often, where its extremes are, shares."""
+    """Return the view: what each measure is over all configurations, how often, where its extremes are, shares.
+
+    `at` is where joints are held that the sweep does not move, see `held_joints`.
+    """
     found = list(result.measures.values())
     single = [one for one in found if _is_single(one)]
-    varied = [one for one in sorted(found, key=_is_single, reverse=True) if _varies(one)][:_MOST_SHOWN]
-    drawn = [one for one in varied if _is_single(one)]
     tables = [_summary_table(single)] if single else []
-    for measure, group in groupby(found, key=lambda one: one.column.measure):
+    for _, group in groupby(found, key=lambda one: one.column.measure):
         parts = [one for one in group if not _is_single(one)]
-        tables += [_summary_table(parts, measure)] if parts else []
+        tables += [_summary_table(parts, parts=True)] if parts else []
+    drawn, varied = [one for one in single if _varies(one)], [one for one in found if _varies(one)]
     tables += [_histogram_table(drawn[i : i + _BESIDE]) for i in range(0, len(drawn), _BESIDE)]
-    if varied:
-        tables.append(_extremes_table(result, varied, degrees))
-    notes = [*_number_notes(result, found), *_share_notes(result), *_setting_notes(result)]
-    if len(result.names) < at.robot.nq:
-        notes.append(f"other joints {configuration_note(_others(result, at), degrees)}")
+    shown = _most_telling(varied)
+    if shown:
+        tables.append(_extremes_table(result, shown, degrees))
+    notes = [*_left_out_notes(found, shown, varied), *_number_notes(result, found), *beyond_notes(result)]
+    notes += [*_near_notes(result), *_setting_notes(result), *_load_notes(result)]
+    if len(result.source.moved) < at.robot.nq:
+        notes.append(f"other joints {configuration_note(at, degrees)}")
     notes.append(_certified_note(result))
-    title = f"{_title(result)} configurations: {result.source_label}\n{velocity_label(result.velocity)}"
+    title = f"{_title(result)} configurations: {result.source.label}\n{velocity_label(result.velocity)}"
     return View(title, tuple(tables), tuple(note for note in notes if note), flat=_flat(found))
 
 
@@ -66,11 +82,6 @@ def _is_single(one: Distribution) -> bool:
 
 def _varies(one: Distribution) -> bool:
     return one.minimum is not None and one.maximum is not None and one.minimum.value < one.maximum.value
-
-
-def _unit(unit: str) -> str:
-    """Return a unit as tables show it: none of a pure number."""
-    return "" if unit == "1" else unit
 
 
 def _whole(count: int) -> str:
@@ -93,21 +104,35 @@ def _share(share: float) -> str:
 
 
 def _statistics(one: Distribution) -> dict[str, float]:
-    """Return what the table says of a measure, NaN where it has no number at all."""
+    """Return what the table says of a measure, in the unit that is shown; NaN where it has no number at all."""
     if one.minimum is None or one.maximum is None:
         return dict.fromkeys(("mean", "minimum", *_PERCENTS, "maximum"), math.nan)
     between = {name: one.quantiles[p] for name, p in _PERCENTS.items()}
-    return {"mean": one.mean, "minimum": one.minimum.value, **between, "maximum": one.maximum.value}
+    found = {"mean": one.mean, "minimum": one.minimum.value, **between, "maximum": one.maximum.value}
+    return {name: reading(one.column).factor * value for name, value in found.items()}
 
 
-def _summary_table(found: Sequence[Distribution], measure: str = "") -> Table:
-    """Return a row for each column, those of one measure under its name, or those that are a measure each."""
-    rows = [
-        (one.column.name.removeprefix(f"{measure}."), _unit(one.unit) or "-", *map(_short, _statistics(one).values()))
-        for one in found
+def _summary_table(found: Sequence[Distribution], *, parts: bool = False) -> Table:
+    """Return a row for each column: the parts of one measure under its name, or those that are a measure each.
+
+    Where all have one unit, the title has it. Long names go on in the next line.
+    """
+    shown = [reading(one.column) for one in found]
+    units = {each.unit for each in shown}
+    one_unit = parts and len(units) == 1
+    header = ("" if parts else "measure", *(() if one_unit else ("unit",)), "mean", "min", *_PERCENTS, "max")
+    rows = list[tuple[Cell, ...]]()
+    cells = [
+        (*(() if one_unit else (each.unit,)), *map(_short, _statistics(one).values()))
+        for one, each in zip(found, shown, strict=True)
     ]
-    header = ("" if measure else "measure", "unit", "mean", "min", *_PERCENTS, "max")
-    return Table(header, tuple(rows), title=measure, words=True)
+    widths = [max(len(text) for text in column) for column in zip(header[1:], *cells, strict=True)]
+    room = max(_LEAST, _WIDTH - sum(width + _BETWEEN for width in widths))
+    for each, values in zip(shown, cells, strict=True):
+        first, *more = textwrap.wrap(each.part if parts else each.name, room)
+        rows += [(first, *values), *((line, *("" for _ in values)) for line in more)]
+    unit = f", unit {next(iter(units))}" if one_unit else ""
+    return Table(header, tuple(rows), title=f"{shown[0].measure}{unit}" if parts else "", words=True)
 
 
 # --- small histograms ----------------------------------------------------------------------------------------------
@@ -115,70 +140,139 @@ def _summary_table(found: Sequence[Distribution], measure: str = "") -> Table:
 
 def _histogram_table(found: Sequence[Distribution]) -> Table:
     """Return histograms side by side: for each, from where a bin goes, and a bar."""
-    columns = [column for one in found for column in _bars(one)]
-    height = max(len(column) for column in columns)
-    filled = [column + [""] * (height - len(column)) for column in columns]
-    header = [cell for one in found for cell in ("from", _fitting(one.column.name))]
-    return Table(tuple(header), tuple(zip(*filled, strict=True)), title="how often", words=True)
-
-
-def _fitting(name: str) -> str:
-    """Return a measure's name as it stands above its bars."""
-    words = {"minimum_singular_value": "min. sing. value", "inverse_condition_number": "inv. condition"}
-    return words.get(name, cut(name, _BAR + 2))
+    columns, heads = list[list[str]](), list[list[str]]()
+    for one in found:
+        columns += _bars(one)
+        heads += [["from"], textwrap.wrap(reading(one.column).title, _BAR + 2)]
+    header, *more = zip_longest(*heads, fillvalue="")
+    return Table(header, (*more, *zip_longest(*columns, fillvalue="")), title="how often", words=True)
 
 
 def _bars(one: Distribution) -> tuple[list[str], list[str]]:
-    found = one.histogram(_BINS)
+    found, factor = one.histogram(_BINS), reading(one.column).factor
     largest = int(found.counts.max())
     bars = ["" if not n else "#" * max(1, round(_BAR * int(n) / largest)) for n in found.counts]
-    return [_short(float(edge)) for edge in found.edges[:-1]], bars
+    return [_short(factor * float(edge)) for edge in found.edges[:-1]], bars
 
 
 # --- where the extremes are ----------------------------------------------------------------------------------------
 
 
+def _most_telling(varied: Sequence[Distribution]) -> list[Distribution]:
+    """Return the columns whose extremes are shown: measures of one number, then of the others what is largest."""
+    single = [one for one in varied if _is_single(one)]
+    named = {one.column.measure for one in single}  # the largest effort use is that of a joint
+    parts = [one for one in varied if one.column.measure not in named]
+    by_measure = [
+        sorted(group, key=lambda one: -max(abs(end.value) for end in (one.minimum, one.maximum) if end is not None))
+        for _, group in groupby(parts, key=lambda one: one.column.measure)
+    ]
+    in_turn = [one for each in zip_longest(*by_measure) for one in each if one is not None]
+    chosen = {one.column.name for one in [*single, *in_turn][:_MOST_EXTREMES]}
+    return [one for one in varied if one.column.name in chosen]
+
+
 def _extremes_table(result: Sweep, found: Sequence[Distribution], degrees: bool) -> Table:
-    turns = np.array([180 / math.pi if degrees and unit == "rad" else 1.0 for unit in result.units])
-    units = ["deg" if degrees and unit == "rad" else unit for unit in result.units]
+    moved = [j for j, name in enumerate(result.names) if name in result.source.moved]
+    units = ["deg" if degrees and result.units[j] == "rad" else result.units[j] for j in moved]
+    turns = np.array([180 / math.pi if unit == "deg" else 1.0 for unit in units])
     rows: list[tuple[Cell, ...]] = [
-        (one.column.name, end, *map(float, extreme.q * turns))
+        (reading(one.column).name, end, *map(float, extreme.q[moved] * turns))
         for one in found
         for end, extreme in (("min", one.minimum), ("max", one.maximum))
         if extreme is not None
     ]
-    header = ("", "", *result.names)
+    header = ("", "", *(result.names[j] for j in moved))
     return Table(header, tuple(rows), ("", "", *units), title="configurations of the extremes")
 
 
 # --- notes ---------------------------------------------------------------------------------------------------------
 
 
+def _left_out_notes(
+    found: Sequence[Distribution], shown: Sequence[Distribution], varied: Sequence[Distribution]
+) -> list[str]:
+    """Return which columns have no histogram and no extremes above, and why."""
+    same = [one for one in found if one.minimum is not None and not _varies(one)]
+    notes = []
+    if same:
+        named = [f"{reading(one.column).name} {_short(reading(one.column).factor * one.mean)}" for one in same[:3]]
+        more = f" and {len(same) - 3} more" if len(same) > 3 else ""
+        notes.append(f"the same everywhere: {', '.join(named)}{more}")
+    if len(shown) < len(varied):
+        notes.append(f"extremes of {len(shown)} of {len(varied)} columns are shown; -F json has all")
+    return notes
+
+
 def _number_notes(result: Sweep, found: Sequence[Distribution]) -> list[str]:
     lost = [one for one in found if one.invalid]
-    named = ", ".join(f"{one.column.name} in {_share(one.invalid / result.count)}" for one in lost[:3])
+    named = ", ".join(f"{reading(one.column).name} in {_share(one.invalid / result.count)}" for one in lost[:3])
     more = f" and {len(lost) - 3} more" if len(lost) > 3 else ""
     return [f"no number: {named}{more} of the configurations"] if lost else []
 
 
-def _share_notes(result: Sweep) -> list[str]:
-    notes = [
-        f"{one.column.name} below {_with_unit(one.threshold, one.column.unit)}: {_share(one.share)} "
-        f"({_whole(one.count)} configurations)"
-        for one in result.below
-    ]
-    if result.near_singular_share is not None:
-        near = f"smallest / largest singular value below {result.near_singular_below:g}"
-        notes.append(f"near-singular ({near}): {_share(result.near_singular_share)}")
-    return notes
+def beyond_notes(result: Sweep) -> list[str]:
+    """Return what is to be said of thresholds, and of the joint that is loaded most."""
+    own = [one for one in result.above if one.column.measure == "effort_use" and one.threshold == 1]
+    given = [*((one, "below") for one in result.below), *((one, "above") for one in result.above if one not in own)]
+    return [_beyond_note(one, side) for one, side in given] + _largest_use(result, own)
+
+
+def _beyond_note(one: Beyond, side: str) -> str:
+    shown = reading(one.column)
+    level = f"{shown.name} {side} {_with_unit(shown.factor * one.threshold, shown.unit)}"
+    return f"{level}: {_share(one.share)} ({_whole(one.count)} configurations)"
+
+
+def _largest_use(result: Sweep, over: Sequence[Beyond]) -> list[str]:
+    """Return which joint's effort use is the largest, and how often limits of effort are exceeded."""
+    uses = [(one.maximum.value, name) for name, one in result.measures.items() if _is_use(one) and one.maximum]
+    if not uses:
+        return []
+    largest, name = max(uses)
+    shares = {one.column.name: one.share for one in over}
+    own, some = shares.get(name, 0.0), shares.get("effort_use", 0.0)
+    others = f" (some joint over its own: {_share(some)})" if some != own else ""
+    joint = cut(reading(result.measures[name].column).part)
+    return [f"largest effort use: {joint}, {_share(largest)}; over its limit in {_share(own)}{others}"]
+
+
+def _is_use(one: Distribution) -> bool:
+    return one.column.measure == "effort_use" and not _is_single(one)
+
+
+def _near_notes(result: Sweep) -> list[str]:
+    if result.near_singular_share is None:
+        return []
+    near = f"smallest / largest singular value below {result.near:g}"
+    return [f"near-singular ({near}): {_share(result.near_singular_share)}"]
 
 
 def _setting_notes(result: Sweep) -> list[str]:
     """Return what the numbers depend on: the rows that count, and the length."""
     notes = [f"rows that count: {' '.join(result.task.row_names)}"] if result.task.name != "full" else []
-    if result.length is None:
-        return [*notes, *(["no characteristic length: metres and radians as they are"] if result.task.mixed else [])]
-    return [*notes, f"characteristic length {result.length:.6g} m ({result.length_reference})"]
+    if result.length is not None:
+        return [*notes, f"characteristic length {result.length:.6g} m ({result.length_reference})"]
+    return [*notes, *(["no characteristic length: metres and radians as they are"] if result.task.mixed else [])]
+
+
+def _load_notes(result: Sweep) -> list[str]:
+    """Return the load that torques are of, but for what is usual."""
+    notes = list[str]()
+    if result.gravity is not None and tuple(result.gravity) != tuple(GRAVITY):
+        notes.append(f"gravity ({', '.join(f'{part:g}' for part in result.gravity)}) m/s2 in the axes of the root link")
+    if result.gravity is not None and result.payload is not None:
+        at = ", ".join(f"{part:g}" for part in result.payload.point)
+        notes.append(f"payload {result.payload.mass:g} kg at ({at}) m of {cut(result.payload.frame)}")
+    if result.limits:
+        named = [f"{cut(name)} {_limit(limit)}" for name, limit in list(result.limits.items())[:3]]
+        more = f" and {len(result.limits) - 3} more" if len(result.limits) > 3 else ""
+        notes.append(f"effort limits given, in Nm or N: {', '.join(named)}{more}")
+    return notes
+
+
+def _limit(limit: float | tuple[float, float]) -> str:
+    return f"{limit:g}" if isinstance(limit, (int, float)) else f"{limit[0]:g} to {limit[1]:g}"
 
 
 def _certified_note(result: Sweep) -> str:
@@ -188,12 +282,36 @@ def _certified_note(result: Sweep) -> str:
     return f"{_whole(result.certified_rows)} configurations, {again}"
 
 
-def _others(result: Sweep, at: Configuration) -> Configuration:
-    """Return the configuration with joints that are swept at zero: where they are is not one position."""
-    swept = [i for i, name in enumerate(at.robot.position_names) if name in result.names]
-    q = result.rest.copy()
-    q[swept] = neutral(at.robot)[swept]
-    return replace(at, q=q)
+@dataclass(frozen=True)
+class _Held(Configuration):
+    """A configuration of which some joints are not held, so that nobody is to know where they are."""
+
+    moved: tuple[str, ...] = ()
+
+    def by_joint(self) -> dict[str, float | list[float]]:
+        """Return {joint: position} of those that are held."""
+        return {name: value for name, value in super().by_joint().items() if name not in self.moved}
+
+
+def held_joints(work: SweepWork, warnings: Sequence[str] = ()) -> Configuration:
+    """Return where joints are held that a sweep does not move; those that it moves are at zero, and not in JSON.
+
+    `warnings` are those of the configuration that was asked for; what they say of joints of the chain is left out: it
+    is said of the configurations that are swept.
+    """
+    robot, moved = work.coordinates.model.robot, work.source.moved
+    joints = tuple(joint.name for joint in robot.independent if set(joint.position_names) & set(moved))
+    zero, q = neutral(robot), work.witness.rest.copy()
+    for name in joints:
+        q[robot.position_slices[name]] = zero[robot.position_slices[name]]
+    chain = [quote(joint.name) for joint in work.coordinates.joints]
+    about_chain = tuple(f"joint {name} is at " for name in chain)
+    kept = [
+        warning
+        for warning in warnings
+        if not warning.startswith(about_chain) and not any(f", by following {name}," in warning for name in chain)
+    ]
+    return _Held(robot, q, tuple(kept), joints)
 
 
 def _flat(found: Sequence[Distribution]) -> Table:
@@ -203,7 +321,7 @@ def _flat(found: Sequence[Distribution]) -> Table:
     for one in found:
         ends = (one.mean, *(None if end is None else end.value for end in (one.minimum, one.maximum)))
         cells = [number(value) for value in (*ends, *one.quantiles.values())]
-        rows.append((one.column.name, _unit(one.unit), str(one.count), str(one.invalid), *cells))
+        rows.append((one.column.name, one.unit, str(one.count), str(one.invalid), *cells))
     header = ("measure", "unit", "count", "invalid", "mean", "minimum", "maximum")
     return Table((*header, *(f"quantile_{level:g}" for level in levels)), tuple(rows))
 
@@ -217,54 +335,78 @@ def sweep_result(result: Sweep, numbers: Numbers | None = None) -> dict[str, Any
     `numbers` are those that rows have in the list that they come from, (m,); default: from 1 on.
     """
     payload: dict[str, Any] = {
-        **_question(result),
+        "asked": _asked(result),
         "count": result.count,
         "complete": result.complete,
         "requested": result.requested,
-        "source": {
-            "kind": result.source_kind,
-            "label": result.source_label,
-            "seed": result.seed if result.source_kind in _DRAWN else None,
-        },
+        "source": _source(result),
         "coordinates": list(result.names),
         "coordinate_units": list(result.units),
         "measures": {name: _distribution(result, one, numbers) for name, one in result.measures.items()},
         "near_singular_share": result.near_singular_share,
-        "near_singular_below": result.near_singular_below,
-        "below": [
-            {
-                "measure": one.column.name,
-                "threshold": one.threshold,
-                "unit": one.column.unit,
-                "count": one.count,
-                "share": one.share,
-            }
-            for one in result.below
-        ],
-        "certified": {
-            "count": result.certified_rows,
-            "max_differences": {
-                name: {"max_difference": number(each.max_difference), "tolerance": each.tolerance}
-                for name, each in result.certificates.items()
-            },
-        },
+        "near_singular_below": result.near,
+        "below": [_beyond(one) for one in result.below],
+        "above": [_beyond(one) for one in result.above],
+        "certified": _certified(result),
     }
     if result.near_singular_share is None:
         payload["near_singular_share_reason"] = "no measure that was asked for needs singular values"
     return payload
 
 
-def _question(result: Sweep) -> dict[str, Any]:
-    velocity = result.velocity
+def _asked(result: Sweep | SweepWork) -> dict[str, Any]:
+    """Return all that the numbers depend on beside the robot and the configurations."""
+    velocity, payload, robot = result.velocity, result.payload, result.robot
+    held = [i for i, name in enumerate(robot.position_names) if name not in result.source.moved]
     return {
         "frame": velocity.of,
+        "point": None if velocity.point is None else list(velocity.point),
         "relative_to": velocity.relative_to,
         "reference": str(result.reference),
         "expressed_in": velocity.expressed_in,
-        "point": None if velocity.point is None else list(velocity.point),
         "rows": list(result.task.row_names),
         "characteristic_length": result.length,
         "characteristic_length_reference": result.length_reference,
+        "near_singular_below": result.near,
+        "gravity": None if result.gravity is None else nested(result.gravity),
+        "payload": payload and {"mass": payload.mass, "frame": payload.frame, "point": list(payload.point)},
+        "effort_limits": {name: nested(np.array(limit)) for name, limit in result.limits.items()},
+        "held": {robot.position_names[i]: number(float(result.rest[i])) for i in held},
+    }
+
+
+def _source(result: Sweep | SweepWork) -> dict[str, Any]:
+    """Return which configurations were asked for; of a grid, its axes, of which the last one changes fastest."""
+    source = result.source
+    found: dict[str, Any] = {"kind": source.kind, "label": source.label, "count": source.count}
+    found["seed"] = result.seed if source.kind in _DRAWN else None
+    if isinstance(source, GridSource):
+        units = dict(zip(result.names, result.units, strict=True))
+        ends = {name: (float(values[0]), float(values[-1]), len(values)) for name, values in source.axes.items()}
+        found["grid"] = [
+            {"coordinate": name, "unit": units[name], "from": low, "to": high, "count": size}
+            for name, (low, high, size) in ends.items()
+        ]
+    return found
+
+
+def _beyond(one: Beyond) -> dict[str, Any]:
+    return {
+        "measure": one.column.name,
+        "threshold": one.threshold,
+        "unit": one.column.unit,
+        "count": one.count,
+        "share": one.share,
+    }
+
+
+def _certified(result: Sweep) -> dict[str, Any]:
+    return {
+        "count": result.certified_rows,
+        "max_differences": {
+            name: {"max_difference": number(each.max_difference), "tolerance": each.tolerance}
+            for name, each in result.certificates.items()
+        },
     }
 
 
@@ -297,11 +439,10 @@ def _extreme(result: Sweep, extreme: Extreme, numbers: Numbers | None) -> dict[s
 def row_fields(work: SweepWork) -> list[RowField]:
     """Return the fields of a file of rows: the coordinates as `q`, and each measure under its name."""
     names = work.source.names
-    units = tuple("rad" if turns else "m" for turns in work.coordinates.turning)
-    fields = [RowField("q", names, units, (len(names),))]
+    fields = [RowField("q", names, work.units, (len(names),))]
     for measure, group in groupby(work.columns, key=lambda column: column.measure):
         columns = tuple(group)
-        labels, of_columns = tuple(c.name for c in columns), tuple(_unit(c.unit) for c in columns)
+        labels, of_columns = tuple(c.name for c in columns), tuple(c.unit for c in columns)
         fields.append(RowField(measure, labels, of_columns, _shape(measure, columns, len(names))))
     return fields
 
@@ -323,7 +464,17 @@ def row_values(fields: Sequence[RowField], q: Array, values: Array) -> list[Arra
     return found
 
 
-def rows_about(work: SweepWork, opening: dict[str, Any]) -> dict[str, Any]:
-    """Return what a file of rows says of all of them, after `opening`."""
-    source = {"kind": work.source.kind, "label": work.source.label, "count": work.source.count}
-    return {**opening, "source": source}
+def rows_about(work: SweepWork, opening: dict[str, Any], result: Sweep | None = None) -> dict[str, Any]:
+    """Return what a file of rows says of all of them, after `opening`; with the result, its certificate, too."""
+    known = {**opening, "asked": _asked(work), "source": _source(work)}
+    if result is None:
+        return known
+    return {**known, **closing(result.certificate, result.warnings), "certified": _certified(result)}
+
+
+def grid_arrays(work: SweepWork) -> dict[str, Array]:
+    """Return the positions of each axis of a grid, (size,), as `grid.JOINT`; of other sources nothing."""
+    source = work.source
+    if not isinstance(source, GridSource):
+        return {}
+    return {f"grid.{name}": values for name, values in source.axes.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Sequence
 
@@ -14,9 +15,13 @@ WIDTH = 80
 _NUMBER_WIDTH = 8
 _GAP = 1
 _NARROWEST = 6
+_LAST = 30  # what the last column has at least, if it needs so much
 _LONGEST_NAME = 64
 _NOISE = 1e-12  # what is left of a zero, in m and rad
 _TALLEST = 200  # rows of a table of words
+_NUMBER = re.compile(r"[-+(\[]?\d[\d.,:]*(e[-+]?\d+)?[\]);,%]*")
+_LONGEST_WORD = 10  # of a header above numbers, that is not broken
+_LONGEST_NUMBER = 24  # characters, its unit included
 
 
 def render(view: View) -> str:
@@ -102,26 +107,49 @@ def _broken(name: str, width: int) -> list[str]:
     return [*pieces, rest]
 
 
-# --- words: the last column is folded, the others are cut if they must be --------------------------------------
+# --- words: the last column is folded, others are cut if they must be, but no number is ------------------------
 
 
 def _words(table: Table) -> str:
     rows = [[_shown(cell, ".5g") for cell in row] for row in table.rows[:_TALLEST]]
-    header = list(table.header)
+    header, last = list(table.header), len(table.header) - 1
     widths = [max(len(row[i]) for row in [header, *rows]) for i in range(len(header))]
-    last_room = min(widths[-1], 30)
-    while sum(w + 2 for w in widths[:-1]) + last_room > WIDTH and max(widths[:-1], default=0) > _NARROWEST:
-        widths[widths.index(max(widths[:-1]))] -= 1
-    room = max(WIDTH - sum(w + 2 for w in widths[:-1]), 10)
+    floors = [_floor(name, [row[i] for row in rows]) for i, name in enumerate(header[:last])]
+    last_room = min(widths[last], _LAST)
+    while sum(w + 2 for w in widths[:last]) + last_room > WIDTH:
+        loose = [i for i in range(last) if widths[i] > floors[i]]
+        if not loose:
+            break
+        widths[max(loose, key=lambda i: widths[i])] -= 1
+    widths[last] = max(WIDTH - sum(w + 2 for w in widths[:last]), 10)
     lines = []
-    for row in [header, *rows] if any(header) else rows:
-        folded = textwrap.wrap(row[-1], room) or [""]
-        left = "".join(_cut(cell, w).ljust(w + 2) for cell, w in zip(row[:-1], widths[:-1], strict=True))
-        lines.append((left + folded[0]).rstrip())
-        lines += [" " * len(left) + more for more in folded[1:]]
+    if any(header):
+        heads = [textwrap.wrap(name, width) or [""] for name, width in zip(header, widths, strict=True)]
+        tall = max(map(len, heads))
+        lines += [_word_line([_from_below(head, tall)[k] for head in heads], widths) for k in range(tall)]
+    for row in rows:
+        folded = textwrap.wrap(row[last], widths[last]) or [""]
+        lines.append(_word_line([*row[:last], folded[0]], widths))
+        lines += [_word_line([*[""] * last, more], widths) for more in folded[1:]]
     if len(table.rows) > _TALLEST:
         lines.append(f"... and {len(table.rows) - _TALLEST} more (-F json has all of them)")
     return "\n".join(lines)
+
+
+def _word_line(cells: Sequence[str], widths: Sequence[int]) -> str:
+    return "  ".join(_cut(cell, width).ljust(width) for cell, width in zip(cells, widths, strict=True)).rstrip()
+
+
+def _floor(name: str, cells: Sequence[str]) -> int:
+    """Return how narrow a column may become: its numbers stay whole, and the words of the header above them."""
+    numbers = [len(cell) for cell in cells if _has_number(cell)]
+    words = [len(word) for word in name.split() if len(word) <= _LONGEST_WORD]
+    return max([_NARROWEST, *numbers, *(words if numbers else [])])
+
+
+def _has_number(text: str) -> bool:
+    """Return whether a cell is a number: `12.5 s`, `row 49`, `3 %`; a name with digits, a sentence, is none."""
+    return len(text) <= _LONGEST_NUMBER and any(_NUMBER.fullmatch(word) for word in text.split())
 
 
 def _cut(text: str, width: int) -> str:

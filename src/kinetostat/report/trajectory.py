@@ -9,25 +9,27 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kinetostat.analysis.trajectory.extremes import Extreme, extremes
-from kinetostat.analysis.trajectory.near import MOST_CAUSES
-from kinetostat.conventions import Reference
+from kinetostat.analysis.trajectory.near import MOST_CAUSES, NOISE
+from kinetostat.conventions import GRAVITY, Array, Reference
 from kinetostat.errors import cut
-from kinetostat.report.json import number
+from kinetostat.report.json import nested, number
 from kinetostat.report.singular import condition_words
 from kinetostat.report.trajectory_rows import FileRows, sample_arrays
 from kinetostat.report.view import Cell, Table, View, configuration_note, velocity_label
 
 if TYPE_CHECKING:
     from kinetostat.analysis.configuration import Configuration
+    from kinetostat.analysis.loads import Payload
     from kinetostat.analysis.singular.at import SingularAt
     from kinetostat.analysis.trajectory.near import NearSpan
     from kinetostat.analysis.trajectory.trajectory import Trajectory
     from kinetostat.analysis.trajectory.violations import Violation
 
-__all__ = ["trajectory_result", "trajectory_view"]
+__all__ = ["asked_json", "asked_notes", "trajectory_result", "trajectory_view"]
 
-_MOST = 20  # stretches that a table lists
-_NOISE = 1e-12  # what is left of a zero
+_MOST = 20  # violations that a table lists
+_DEEPEST = 10  # stretches near a singularity that a table lists
+_NOISE = 1e-12  # what is left of a zero, in SI units
 _FEW = 6  # joints that a line names
 _LABELS = {
     "yoshikawa": "Yoshikawa",
@@ -40,10 +42,14 @@ _LABELS = {
     "effort_use": "effort limit used",
 }
 _SHARES = ("speed_use", "effort_use", "limit_distance")
+_OF_RATIO = ("yoshikawa", "minimum_singular_value", "inverse_condition_number")  # 0 where s_r is rounding
 
 
-def trajectory_view(result: Trajectory, rows: FileRows, at: Configuration, *, degrees: bool) -> View:
-    """Return the view: how long, the worst moments, stretches near singularities with causes, and beyond limits."""
+def trajectory_view(result: Trajectory, rows: FileRows, held: Configuration, *, degrees: bool) -> View:
+    """Return the view: how long, the worst moments, stretches near singularities with causes, and beyond limits.
+
+    `held` says where those joints are that the file does not name.
+    """
     return View(
         f"trajectory {velocity_label(result.velocity)}",
         (
@@ -52,7 +58,7 @@ def trajectory_view(result: Trajectory, rows: FileRows, at: Configuration, *, de
             *_near_tables(result, rows, degrees),
             *_violations_table(result, rows, degrees),
         ),
-        tuple(_notes(result, at, degrees)),
+        tuple(_notes(result, held, degrees)),
     )
 
 
@@ -60,18 +66,30 @@ def trajectory_view(result: Trajectory, rows: FileRows, at: Configuration, *, de
 
 
 def _when(result: Trajectory, rows: FileRows, sample: int) -> str:
-    """Return when a sample is, in as many digits as tell it from the next; or its row where there is no time."""
+    """Return when a sample is, with its unit; or its row where there is no time."""
+    moment = _moment(result, rows, sample)
+    return f"row {moment}" if result.time is None else f"{moment} s"
+
+
+def _moment(result: Trajectory, rows: FileRows, sample: int) -> str:
+    """Return the time of a sample in as many digits as tell it from the next; or its row where there is no time."""
     if result.time is None:
-        return f"row {int(rows.numbers[sample])}"
+        return str(int(rows.numbers[sample]))
     digits = math.ceil(-math.log10(float(np.min(np.diff(result.time)))) - 0.01)
-    return f"{float(result.time[sample]):.{min(max(digits, 0), 9)}f} s"
+    return f"{float(result.time[sample]):.{min(max(digits, 0), 9)}f}"
+
+
+def _number(value: float, unit: str, degrees: bool) -> tuple[str, str]:
+    """Return a number and its unit; angles in degrees if they are asked for; rounding noise is 0."""
+    if degrees and unit.startswith("rad"):
+        value, unit = math.degrees(value), unit.replace("rad", "deg", 1)
+    return (f"{value:.4g}" if abs(value) > _NOISE else "0"), unit
 
 
 def _shown(value: float, unit: str, degrees: bool) -> str:
-    """Return a number with its unit; angles in degrees if they are asked for."""
-    if degrees and unit.startswith("rad"):
-        value, unit = math.degrees(value), unit.replace("rad", "deg", 1)
-    return f"{value:.4g} {unit}".rstrip()
+    """Return a number with its unit; that of a pure number is not written."""
+    text, unit = _number(value, unit, degrees)
+    return text if unit == "1" else f"{text} {unit}"
 
 
 # --- tables ----------------------------------------------------------------------------------------------------
@@ -104,35 +122,40 @@ def _facts(result: Trajectory, rows: FileRows) -> Table:
 
 def _extremes_table(result: Trajectory, rows: FileRows, degrees: bool) -> Table:
     found = [_extreme_row(result, rows, one, degrees) for one in extremes(result)]
-    return Table(("", "", "value", "at", "joint"), tuple(found), title="worst moments", words=True)
+    return Table(("", "", "value", "unit", "at", "joint"), tuple(found), title="worst moments", words=True)
 
 
 def _extreme_row(result: Trajectory, rows: FileRows, one: Extreme, degrees: bool) -> tuple[Cell, ...]:
-    value = f"{100 * one.value:.4g} %" if one.measure in _SHARES else _shown(one.value, one.unit, degrees)
+    value, unit = _number(one.value, one.unit, degrees)
+    if one.measure in _SHARES:
+        value, unit = f"{100 * one.value:.4g}", "%"
+    elif one.measure in _OF_RATIO and result.inverse_condition_number[one.sample] <= NOISE:
+        value = "0"
     side = "max" if one.largest else "min"
-    return (_LABELS[one.measure], side, value, _when(result, rows, one.sample), cut(one.joint or ""))
+    return (_LABELS[one.measure], side, value, unit, _when(result, rows, one.sample), cut(one.joint or ""))
 
 
 def _near_tables(result: Trajectory, rows: FileRows, degrees: bool) -> list[Table]:
-    """Return the stretches near a singularity: those whose causes are known, if there are many; and the causes."""
-    spans = [span for span in result.spans if span.sought]
+    """Return the stretches near a singularity, the deepest first, and their causes."""
+    spans = sorted(result.spans, key=lambda span: span.inverse_condition_number)[:_DEEPEST]
     if not spans:
         return []
     found: list[tuple[Cell, ...]] = [
         (
             str(i),
-            _when(result, rows, span.first),
-            _when(result, rows, span.last),
-            _when(result, rows, span.worst),
-            f"{span.inverse_condition_number:.2g}" if span.inverse_condition_number > _NOISE else "0",
+            *(_moment(result, rows, sample) for sample in (span.first, span.last, span.worst)),
+            f"{span.inverse_condition_number:.2g}" if span.inverse_condition_number > NOISE else "0",
             "-" if span.cause is None else span.cause.name or "no name",
-            _cost(result, span, degrees),
+            *([] if result.time is None else [_cost(result, span, degrees)]),
         )
         for i, span in enumerate(spans, start=1)
     ]
-    many = f"; the {MOST_CAUSES} deepest of {len(result.spans)}" if len(result.spans) > len(spans) else ""
+    many = f"; the {_DEEPEST} deepest of {len(result.spans)}" if len(result.spans) > _DEEPEST else ""
     title = f"near singular: smallest / largest singular value below {result.near:g}{many}"
-    header = ("", "from", "to", "worst at", "ratio", "name", "to go there the hardest way takes")
+    unit = "row" if result.time is None else "[s]"
+    header: tuple[str, ...] = ("", f"from {unit}", f"to {unit}", f"worst {unit}", "smallest / largest", "name")
+    if result.time is not None:
+        header += ("to keep the tool's speed there in the hardest direction, a joint would need",)
     return [Table(header, tuple(found), title=title, words=True), _why_table(result, spans, degrees)]
 
 
@@ -170,21 +193,21 @@ def _condition(cause: SingularAt, degrees: bool) -> str:
 
 def _cost(result: Trajectory, span: NearSpan, degrees: bool) -> str:
     """Return which joint's rate would be the largest share of its limit, if the tool went the hardest way."""
-    unit = result.speed_unit
-    speed = _shown(span.speed, unit, degrees) if unit else f"{span.speed:.4g}"
+    if span.needed is None or not np.any(span.needed):
+        return "nothing: the tool stands still"
     if not np.all(np.isfinite(span.needed)):
-        return f"at {speed}: what no joint gives"
-    joint, limit = _most_needed(result, span)
+        return "more than any rate"
+    joint, limit = _most_needed(result, span.needed)
     turns = "rad/s" if result.mechanism.turning[joint] else "m/s"
-    stated = f", limit {_shown(limit, turns, degrees)}" if math.isfinite(limit) else ""
     rate = _shown(abs(float(span.needed[joint])), turns, degrees)
-    return f"at {speed}: {rate} of {cut(result.columns[joint])}{stated}"
+    stated = f", limit {_number(limit, turns, degrees)[0]}" if math.isfinite(limit) else ""
+    return f"{rate} ({cut(result.columns[joint])}{stated})"
 
 
-def _most_needed(result: Trajectory, span: NearSpan) -> tuple[int, float]:
-    """Return the joint that needs most of its limit (or the fastest, where none has one), and its limit."""
-    limits = result.speed_limits[: len(span.needed)]
-    sizes = np.abs(span.needed)
+def _most_needed(result: Trajectory, needed: Array) -> tuple[int, float]:
+    """Return the joint that needs most of its limit (or the fastest, where none has one), and its limit. (c,)."""
+    limits = result.speed_limits[: len(needed)]
+    sizes = np.abs(needed)
     shares = sizes / limits
     joint = int(np.argmax(sizes) if np.all(np.isnan(shares)) else np.nanargmax(shares))
     return joint, float(limits[joint])
@@ -210,10 +233,11 @@ def _violations_table(result: Trajectory, rows: FileRows, degrees: bool) -> list
     return [Table(header, tuple(found), title=f"beyond limits{many}", words=True)]
 
 
-def _notes(result: Trajectory, at: Configuration, degrees: bool) -> list[str]:
+def _notes(result: Trajectory, held: Configuration, degrees: bool) -> list[str]:
     notes = []
     if result.time is None:
-        notes.append("without time: nothing is said of velocities")
+        why = "one sample" if len(result.q) == 1 else "without time"
+        notes.append(f"{why}: nothing is said of velocities")
     else:
         notes.append(
             "rates are differences of samples (three points, on the times as they are); a velocity beyond its limit is "
@@ -229,16 +253,76 @@ def _notes(result: Trajectory, at: Configuration, degrees: bool) -> list[str]:
         notes.append(f"indices are of the {result.mechanism.generic_rank} singular values that are not always zero")
     if 0 < result.computed < len(result.q):
         notes.append(f"computed by both engines: {result.computed} of {len(result.q)} samples; all by the kernel")
-    return [*notes, f"joints that the file does not name: {configuration_note(at, degrees)}"]
+    notes += asked_notes(result)
+    if held.by_joint():
+        notes.append(f"joints that the file does not name: {configuration_note(held, degrees)}")
+    return notes
+
+
+# --- what was asked --------------------------------------------------------------------------------------------
+
+
+def asked_notes(result: Trajectory) -> list[str]:
+    """Return what the answer was computed for, where it is not what everybody takes: weights, and effort limits."""
+    notes = []
+    if not np.any(result.gravity):
+        notes.append("without gravity: nothing is said of efforts")
+    elif not np.array_equal(result.gravity, GRAVITY):
+        root = result.mechanism.model.robot.root
+        notes.append(f"gravity ({_triple(result.gravity)}) m/s2 in the axes of {cut(root)}")
+    if result.payload is not None:
+        held = result.payload
+        notes.append(f"payload {held.mass:g} kg at ({_triple(held.point)}) m of {cut(held.frame)}")
+    if result.limits:
+        given = [f"{cut(name)} {_ends(limit)}" for name, limit in list(result.limits.items())[:_FEW]]
+        more = f" and {len(result.limits) - _FEW} more" if len(result.limits) > _FEW else ""
+        notes.append(f"effort limits as given: {', '.join(given)}{more} (Nm or N; others the file's)")
+    return notes
+
+
+def asked_json(result: Trajectory, held: Configuration) -> dict[str, Any]:
+    """Return all that an answer was computed for, in SI units; `held`: the joints that the file does not name."""
+    arm, velocity = result.mechanism, result.velocity
+    return {
+        "frame": velocity.of,
+        "point": list(arm.point),
+        "relative_to": velocity.relative_to,
+        "reference": (Reference.LOCAL if arm.local else Reference.ALIGNED).value,
+        "expressed_in": velocity.expressed_in,
+        "rows": list(arm.task.row_names),
+        "characteristic_length": result.length,
+        "characteristic_length_reference": result.length_reference,
+        "near_singular_below": result.near,
+        "gravity": result.gravity.tolist(),
+        "payload": None if result.payload is None else _payload_json(result.payload),
+        "effort_limits": {name: nested(np.array(limit)) for name, limit in result.limits.items()},
+        "held": held.by_joint(),
+    }
+
+
+def _payload_json(payload: Payload) -> dict[str, Any]:
+    return {"mass": payload.mass, "frame": payload.frame, "point": list(payload.point)}
+
+
+def _ends(limit: float | tuple[float, float]) -> str:
+    return f"{limit:g}" if isinstance(limit, (int, float)) else f"{limit[0]:g}:{limit[1]:g}"
+
+
+def _triple(vector: Sequence[float] | Array) -> str:
+    return ", ".join(f"{float(part) + 0.0:.5g}" for part in vector)
 
 
 # --- JSON ------------------------------------------------------------------------------------------------------
 
 
-def trajectory_result(result: Trajectory, rows: FileRows) -> dict[str, Any]:
-    """Return the result object of `trajectory`: SI units and radians; samples are told by the rows of the file."""
+def trajectory_result(result: Trajectory, rows: FileRows, held: Configuration) -> dict[str, Any]:
+    """Return the result object of `trajectory`: SI units and radians; samples are told by the rows of the file.
+
+    `held` says where those joints are that the file does not name.
+    """
     arm, velocity, time = result.mechanism, result.velocity, result.time
     payload: dict[str, Any] = {
+        "asked": asked_json(result, held),
         "frame": velocity.of,
         "relative_to": velocity.relative_to,
         "reference": (Reference.LOCAL if arm.local else Reference.ALIGNED).value,
@@ -266,9 +350,9 @@ def trajectory_result(result: Trajectory, rows: FileRows) -> dict[str, Any]:
         "timeline": sample_arrays(result, rows),
     }
     if time is None:
-        payload["time_reason"] = "the file has no column of time, or one sample"
+        payload["time_reason"] = "one sample" if len(result.q) == 1 else "the file has no column of time"
     if result.length is None:
-        payload["characteristic_length_reason"] = "rows and columns have one unit each, or none was asked for"
+        payload["characteristic_length_reason"] = result.length_reference
     return payload
 
 
@@ -284,8 +368,6 @@ def _extreme_json(result: Trajectory, rows: FileRows, one: Extreme) -> dict[str,
 
 
 def _span_json(result: Trajectory, rows: FileRows, span: NearSpan) -> dict[str, Any]:
-    names = result.columns[: len(span.needed)]
-    needed = {name: number(float(rate)) for name, rate in zip(names, span.needed, strict=True)}
     payload: dict[str, Any] = {
         "first": _place(result, rows, span.first),
         "last": _place(result, rows, span.last),
@@ -294,7 +376,7 @@ def _span_json(result: Trajectory, rows: FileRows, span: NearSpan) -> dict[str, 
         "minimum_singular_value": span.minimum_singular_value,
         "distance": span.distance,
         "cause": None,
-        "needed": {"speed": span.speed, "unit": result.speed_unit, "rates": needed},
+        "needed": _needed_json(result, span),
     }
     if span.cause is None:
         payload["cause_reason"] = "none was found nearby" if span.sought else f"the {MOST_CAUSES} deepest have causes"
@@ -305,9 +387,18 @@ def _span_json(result: Trajectory, rows: FileRows, span: NearSpan) -> dict[str, 
             "conditions": [{"positions": c.positions, "name": c.name} for c in span.cause.conditions],
             "causes": [{"text": c.text, "joints": list(c.joints)} for c in span.cause.causes],
         }
-    if not np.all(np.isfinite(span.needed)):
-        payload["needed"]["reason"] = "null: infinite, the configuration is singular"
     return payload
+
+
+def _needed_json(result: Trajectory, span: NearSpan) -> dict[str, Any] | None:
+    """Return the joint rates that keep the tool's speed in the direction that is hardest, or None without time."""
+    if span.speed is None or span.needed is None:
+        return None
+    rates = {name: number(float(rate)) for name, rate in zip(result.columns, span.needed, strict=False)}
+    found: dict[str, Any] = {"speed": span.speed, "unit": result.speed_unit, "rates": rates}
+    if not np.all(np.isfinite(span.needed)):
+        found["reason"] = "null: infinite, the configuration is singular"
+    return found
 
 
 def _violation_json(result: Trajectory, rows: FileRows, one: Violation) -> dict[str, Any]:

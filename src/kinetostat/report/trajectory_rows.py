@@ -1,9 +1,11 @@
-"""The samples of a trajectory as columns: a row out for each row of the file, as CSV; and as arrays for JSON."""
+"""The samples of a trajectory as columns: a row out for each row of the file, CSV or Parquet; and arrays for JSON."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -14,11 +16,12 @@ from kinetostat.analysis.indices import powered
 from kinetostat.conventions import TWIST_ROWS, TWIST_UNITS, Array
 from kinetostat.report import csv
 from kinetostat.report.json import nested
+from kinetostat.report.writing import open_whole
 
 if TYPE_CHECKING:
     from kinetostat.analysis.trajectory.trajectory import Trajectory
 
-__all__ = ["BadRow", "FileRows", "sample_arrays", "sample_lines"]
+__all__ = ["BadRow", "FileRows", "sample_arrays", "sample_lines", "write_parquet"]
 
 _AT_ONCE = 4096  # rows that are Python objects at one time
 _POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
@@ -33,7 +36,8 @@ class BadRow:
     reason: str
 
     def __str__(self) -> str:
-        return f"{f'row {self.row}' if self.line is None else f'line {self.line}'}: {self.reason}"
+        line = "" if self.line is None else f" (line {self.line})"
+        return f"row {self.row}{line}: {self.reason}"
 
 
 @dataclass(frozen=True)
@@ -67,8 +71,7 @@ def _groups(result: Trajectory) -> list[_Group]:
     lengths = tuple("rad" if turns else "m" for turns in turning)
     index = np.stack([result.yoshikawa, result.minimum_singular_value, result.inverse_condition_number], axis=-1)
     indices = ("yoshikawa", "minimum_singular_value", "inverse_condition_number")
-    unit, product = result.unit, powered(result.unit, result.mechanism.generic_rank)
-    index_units = tuple("" if one == "1" else one for one in (product, unit, "1"))
+    index_units = (powered(result.unit, result.mechanism.generic_rank), result.unit, "1")
 
     def of_joints(name: str, units: Sequence[str], values: Array | None) -> list[_Group]:
         return [] if values is None else [_Group(name, tuple(f"{name}.{j}" for j in names), tuple(units), values)]
@@ -76,15 +79,15 @@ def _groups(result: Trajectory) -> list[_Group]:
     found = [] if result.time is None else [_Group("time", ("time",), ("s",), result.time[:, None])]
     found += of_joints("q", lengths, result.q)
     pose = np.concatenate([result.at.position, result.at.quaternion], axis=-1)
-    found.append(_Group("pose", _POSE, ("m", "m", "m", "", "", "", ""), pose))
+    found.append(_Group("pose", _POSE, ("m", "m", "m", "1", "1", "1", "1"), pose))
     found.append(_Group("indices", indices, index_units, index))
     found += of_joints("qdot", [f"{unit}/s" for unit in lengths], result.rates)
     found += of_joints("qddot", [f"{unit}/s2" for unit in lengths], result.accelerations)
     if result.at.twist is not None:
         found.append(_Group("twist", TWIST_ROWS, TWIST_UNITS, result.at.twist))
     found += of_joints("torque", ["Nm" if turns else "N" for turns in turning], result.at.torque)
-    found += of_joints("effort_use", [""] * len(names), result.effort_use)
-    found.append(_Group("limit_distance", ("limit_distance",), ("",), result.at.limit_distance[:, None]))
+    found += of_joints("effort_use", ["1"] * len(names), result.effort_use)
+    found.append(_Group("limit_distance", ("limit_distance",), ("1",), result.at.limit_distance[:, None]))
     return found
 
 
@@ -107,9 +110,11 @@ def sample_lines(result: Trajectory, rows: FileRows) -> Iterator[str]:
     """
     groups = _groups(result)
     named = [(c, u) for group in groups for c, u in zip(group.columns, group.units, strict=True)]
-    names = [f"{column} [{unit}]" if unit else column for column, unit in named]
+    names = [f"{column} [{unit}]" for column, unit in named]
     yield csv.lines([["row", *names, "near_singular", "violations", "reason"]])
-    near, beyond = result.inverse_condition_number < result.near, _beyond(result)
+    near, texts_beyond = result.inverse_condition_number < result.near, _beyond(result)
+    cells_beyond = {text: csv.lines([[text]]).rstrip("\n") for text in set(texts_beyond.values())}
+    beyond = {sample: cells_beyond[text] for sample, text in texts_beyond.items()}
     bad = {one.row: "," * len(named) + csv.lines([["", "", one.reason]]) for one in rows.bad}
     failed = np.array(sorted(bad), dtype=np.int64)
     for start in range(0, len(rows.numbers), _AT_ONCE):
@@ -135,10 +140,48 @@ def _number_cells(cells: Array) -> list[str]:
 
 
 def _beyond(result: Trajectory) -> dict[int, str]:
-    """Return {sample: the limits that it exceeds} as the cell of a CSV file."""
+    """Return {sample: the limits that it exceeds}, in words."""
     found: dict[int, list[str]] = {}
     for one in result.violations:
         for sample in range(one.first, one.last + 1):
             found.setdefault(sample, []).append(f"{one.joint} {one.kind}")
-    cells = {texts: csv.lines([["; ".join(texts)]]).rstrip("\n") for texts in set(map(tuple, found.values()))}
-    return {sample: cells[tuple(texts)] for sample, texts in found.items()}
+    return {sample: "; ".join(texts) for sample, texts in found.items()}
+
+
+# --- Parquet ---------------------------------------------------------------------------------------------------
+
+
+def write_parquet(path: Path, result: Trajectory, rows: FileRows, about: Mapping[str, Any]) -> None:
+    """Write the columns of `sample_lines` to a Parquet file, whole or not at all.
+
+    Units are in the metadata of the columns, `about` in that of the file, as JSON under `kinetostat`. What is not
+    finite, and what a row without an answer has, is null.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    numbers = np.sort(np.concatenate([rows.numbers, np.array([one.row for one in rows.bad], dtype=np.int64)]))
+    places = np.searchsorted(numbers, rows.numbers)
+    samples: list[int | None] = [None] * len(numbers)
+    for sample, place in enumerate(places.tolist()):
+        samples[place] = sample
+    fields, columns = [pa.field("row", pa.int64(), nullable=False)], [pa.array(numbers)]
+    for group in _groups(result):
+        for name, unit, values in zip(group.columns, group.units, group.values.T, strict=True):
+            column = np.full(len(numbers), np.nan)
+            column[places] = np.where(np.isfinite(values), values + 0.0, np.nan)
+            fields.append(pa.field(name, pa.float64(), metadata={"unit": unit}))
+            columns.append(pa.array(column, from_pandas=True))
+    near, beyond = (result.inverse_condition_number < result.near).tolist(), _beyond(result)
+    reasons = {one.row: one.reason for one in rows.bad}
+    fields += [pa.field("near_singular", pa.bool_()), pa.field("violations", pa.string())]
+    columns.append(pa.array([None if i is None else near[i] for i in samples], pa.bool_()))
+    columns.append(pa.array([None if i is None else beyond.get(i) for i in samples], pa.string()))
+    fields.append(pa.field("reason", pa.string()))
+    columns.append(pa.array([reasons.get(number) for number in numbers.tolist()], pa.string()))
+    schema = pa.schema(fields, metadata={"kinetostat": json.dumps(about, ensure_ascii=False)})
+    with open_whole(path) as file, parquet.ParquetWriter(file, schema) as writer:
+        writer.write_table(pa.table(columns, schema=schema))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from kinetostat.analysis.capability import directions as sphere
 from kinetostat.analysis.capability.bounds import Bounds, bounds
-from kinetostat.analysis.capability.counting import OUTPUTS, MapWork
+from kinetostat.analysis.capability.counting import APPROACH, OUTPUTS, MapWork
 from kinetostat.analysis.capability.grid import Grid, fitted
 from kinetostat.analysis.capability.voxels import Cells, VoxelSums
 from kinetostat.analysis.coordinates import Coordinates
@@ -25,7 +25,7 @@ from kinetostat.analysis.sweeping.running import Outcome, run
 from kinetostat.analysis.sweeping.samples import BLOCK, Source, halton_source
 from kinetostat.analysis.sweeping.sweep import SweepWork, sweep_work
 from kinetostat.analysis.task import Task
-from kinetostat.conventions import Array, Flags, Velocity
+from kinetostat.conventions import Array, Flags, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, quote
 from kinetostat.screw.kernel import Kernel
@@ -45,7 +45,8 @@ class CapabilityMap:
     Attributes:
         velocity: of which frame and point, relative to which observer, in whose axes the map is.
         task: the rows of the Jacobian that count.
-        length: the characteristic length in m, None where metres and radians are mixed as they are.
+        length: the characteristic length in m, None where there is none.
+        length_reference: how it was found, in words.
         grid: the voxels.
         reach_count: how many configurations reach each voxel.
         best_singular_value: the largest of their smallest singular values; NaN where nothing reaches.
@@ -65,12 +66,16 @@ class CapabilityMap:
         seconds: how long it took.
         rate: configurations a second.
         continued: how many an earlier run had done, of which there was a checkpoint.
+        approach: the direction of the tool's z axis that alone counts, a unit vector in the observer's axes; None for
+            any.
+        held: where joints are that do not move the tool, as in a configuration of the whole robot, (nq,).
         warnings: what is to be said of it.
     """
 
     velocity: Velocity
     task: Task
     length: float | None
+    length_reference: str
     grid: Grid
     reach_count: NDArray[np.int64]
     best_singular_value: Array
@@ -90,6 +95,8 @@ class CapabilityMap:
     seconds: float
     rate: float
     continued: int
+    approach: tuple[float, float, float] | None
+    held: Array
     warnings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -99,6 +106,11 @@ class CapabilityMap:
     def reached(self) -> Flags:
         """Which voxels are reached, (a, b, c)."""
         return np.asarray(self.reach_count > 0)
+
+    @cached_property
+    def counted(self) -> int:
+        """How many configurations are in voxels: all, but for those that arrive from elsewhere than `approach`."""
+        return int(np.sum(self.reach_count))
 
     @property
     def voxels(self) -> int:
@@ -174,7 +186,9 @@ def capability_map(
     voxel: float | None = None,
     seed: int = 0,
     axes: str | Sequence[str] | None = None,
-    length: float | Literal["auto", "none"] = "none",
+    reference: Reference | str = Reference.ALIGNED,
+    length: float | Literal["auto", "none"] = "auto",
+    approach: Sequence[float] | None = None,
     relative_to: str | None = None,
     point: Sequence[float] | None = None,
     workers: int = 1,
@@ -199,8 +213,12 @@ def capability_map(
         voxel: edge of a voxel, m; default near a twentieth of the reach.
         seed: of the configurations.
         axes: the rows of the Jacobian whose smallest singular value counts; default all six.
+        reference: aligned (those rows in the observer's axes) or local (in the tool's: a torch that may turn about its
+            own z axis has axes "xyz rx ry", reference local).
         length: the characteristic length where metres and radians are mixed: in m, "auto" (see `sweeping.sweep`) or
             "none".
+        approach: a direction in the observer's axes, any length, such as (0, 0, -1) for a tool that points down: only
+            configurations whose tool's z axis is within 15 degrees of it are counted, and mapped.
         relative_to: the observer, a link; default the root link.
         point: the tool point in the frame's coordinates, m; default its origin.
         workers: threads.
@@ -211,12 +229,15 @@ def capability_map(
     Raises:
         UnknownNameError: no such frame.
         UsageError: not exactly one of samples and low_discrepancy; voxels too small, or too many; no joint, or a
-            floating one, between the frames; axes, length or point that cannot be.
+            floating one, between the frames; axes, length, approach or point that cannot be; no configuration arrives
+            from the approach.
         ConfigurationError: q has another shape, or a number that is not finite.
     """
     asked = ("position", "minimum_singular_value")
-    question: dict[str, Any] = {"axes": axes, "length": length, "relative_to": relative_to, "point": point}
+    question: dict[str, Any] = {"axes": axes, "reference": reference, "length": length}
+    question |= {"relative_to": relative_to, "point": point}
     question |= {"samples": samples, "low_discrepancy": low_discrepancy, "seed": seed}
+    direction = None if approach is None else _direction(approach)
     sweep = sweep_work(model, frame, q, measures=asked, **question)
     if not sweep.rows <= _MOST:
         raise UsageError(f"a map has at most {_MOST:.2g} configurations, not {sweep.rows:.2g}")
@@ -224,13 +245,25 @@ def capability_map(
     bound = bounds(sweep.kernel, *source.bounds)
     pilot = halton_source(chain, _PILOT).rows(0, _PILOT)
     grid = fitted(bound.low, bound.high, chain.chain.columns(pilot)[1][:, :3, 3], voxel)
-    work = MapWork(source, sweep.witness, grid, _unit(bound))
+    work = MapWork(source, sweep.witness, grid, _unit(bound), direction)
     if progress is not None:
         progress("compiling, once", 0.0)
     if executor is None:
         sweep.kernel(source.rows(0, 1))  # the first of its kind on a machine is compiled, which is no part of the run
     outcome = run(work, workers=workers, executor=executor, checkpoint=checkpoint, progress=progress)
     return _map(work, sweep, outcome)
+
+
+def _direction(given: Sequence[float]) -> tuple[float, float, float]:
+    """Return the unit vector of a direction."""
+    vector = np.asarray(given, dtype=np.float64)
+    size = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
+    if not (math.isfinite(size) and size > 0):
+        raise UsageError(
+            "an approach is a direction, three numbers", remedy="for instance 0,0,-1: the tool points down"
+        )
+    x, y, z = (vector / size).tolist()
+    return x, y, z
 
 
 def _unit(bound: Bounds) -> float:
@@ -240,13 +273,19 @@ def _unit(bound: Bounds) -> float:
 
 def _map(work: MapWork, sweep: SweepWork, outcome: Outcome[VoxelSums]) -> CapabilityMap:
     sums, cells = outcome.partial, outcome.partial.cells
-    if not len(cells.index):  # interrupted before the first chunk
-        raise KeyboardInterrupt
+    if not len(cells.index):
+        if not outcome.complete:  # interrupted before anything was counted
+            raise KeyboardInterrupt
+        raise UsageError(
+            f"none of {outcome.rows} configurations has the tool's z axis within {APPROACH:g} degrees of the approach",
+            remedy="more --samples, or another --approach",
+        )
     low, high = _ends(work.grid, cells)
     grid = work.grid.part(low, high)
     at = grid.index(work.grid.centre(cells.index))
     witness, warnings = work.witness, [*sweep.warnings, *outcome.warnings]
-    sums = sums.merged(work.checked(int(cells.row[np.argmax(cells.best)])))
+    best = int(np.argmax(cells.best))
+    sums = sums.merged(work.checked(int(cells.row[best]), float(cells.best[best])))
     differences = sums.differences if sums.checked else (None,) * len(OUTPUTS)
     certificates = [witness.certificate(name, apart) for name, apart in zip(OUTPUTS, differences, strict=True)]
     if not outcome.complete:
@@ -255,6 +294,7 @@ def _map(work: MapWork, sweep: SweepWork, outcome: Outcome[VoxelSums]) -> Capabi
         witness.velocity,
         sweep.task,
         sweep.length,
+        sweep.length_reference,
         grid,
         _spread(grid, at, cells.count, 0),
         _spread(grid, at, cells.best, np.nan),
@@ -274,6 +314,8 @@ def _map(work: MapWork, sweep: SweepWork, outcome: Outcome[VoxelSums]) -> Capabi
         outcome.seconds,
         outcome.rate,
         outcome.continued,
+        work.approach,
+        witness.rest,
         tuple(warnings),
     )
 

@@ -18,10 +18,11 @@ from kinetostat.analysis.sweeping.digest import digest
 from kinetostat.analysis.sweeping.samples import BLOCK, Source
 from kinetostat.conventions import Array
 
-__all__ = ["OUTPUTS", "MapWork"]
+__all__ = ["APPROACH", "OUTPUTS", "MapWork"]
 
 OUTPUTS = ("placement", "singular_values")  # what the kernel of a map gives
-_VERSION = "map 1"
+APPROACH = 15.0  # degrees: a tool whose z axis is so near to a direction arrives from it
+_VERSION = "map 2"
 _CHECKED = 4  # configurations of a chunk that Pinocchio computes again
 _STEP = 2654435761  # D. Knuth's multiplier, a prime: which rows of a chunk they are differs from chunk to chunk
 
@@ -35,12 +36,15 @@ class MapWork:
         witness: the chain, the kernel, and who computes rows again.
         grid: the voxels.
         unit: of fixed point: sums of singular values are whole multiples of it.
+        approach: the direction, a unit vector in the observer's axes, within `APPROACH` of which the tool's z axis has
+            to be for a configuration to count; None for any.
     """
 
     source: Source
     witness: RowWitness
     grid: Grid
     unit: float
+    approach: tuple[float, float, float] | None = None
 
     def __repr__(self) -> str:
         return f"<MapWork: {self.rows} configurations in {self.chunks} chunks>"
@@ -59,7 +63,15 @@ class MapWork:
     def digest(self) -> str:
         """What identifies the question."""
         witness, model = self.witness, self.witness.coordinates.model
-        parts = (witness.kernel, witness.rest, witness.velocity, witness.tolerances, self.grid, self.unit)
+        parts = (
+            witness.kernel,
+            witness.rest,
+            witness.velocity,
+            witness.tolerances,
+            self.grid,
+            self.unit,
+            self.approach,
+        )
         return digest(_VERSION, BLOCK, model.loaded.text, self.source, *parts, model.crosscheck)
 
     def size(self, chunk: int) -> int:
@@ -73,15 +85,28 @@ class MapWork:
         found = self.witness.kernel(q)
         placement, smallest = found["placement"], found["singular_values"][:, -1]
         index = self.grid.index(placement[:, :, 3])
+        outside = int(np.count_nonzero(index < 0))
+        if self.approach is not None:
+            arrives = placement[:, :, 2] @ np.array(self.approach) >= np.cos(np.radians(APPROACH))
+            index = np.where(arrives, index, -1)
         cells = counted(index, smallest, mask(placement[:, :, 2]), first, self.unit)
         some = np.unique((_STEP * (chunk + 1) + np.arange(_CHECKED) * (len(q) // _CHECKED)) % len(q))
         proof = self._compared(q[some], {name: found[name][some] for name in OUTPUTS})
-        return replace(proof, outside=int(np.count_nonzero(index < 0)), waiting=(cells,))
+        return replace(proof, outside=outside, waiting=(cells,))
 
-    def checked(self, row: int) -> VoxelSums:
-        """Return what Pinocchio says of one configuration, which is counted in no voxel."""
+    def checked(self, row: int, told: float) -> VoxelSums:
+        """Return what Pinocchio says of one configuration, which is counted in no voxel.
+
+        And of the smallest singular value that is told of it, which may have been damaged on its way.
+        """
         q = self.source.rows(row, row + 1)
-        return self._compared(q, self.witness.kernel(q))
+        found = self.witness.kernel(q)
+        compared = self._compared(q, found)
+        apart = abs(told - float(found["singular_values"][0, -1]))
+        largest = [
+            max(d, apart) if n == "singular_values" else d for n, d in zip(OUTPUTS, compared.differences, strict=True)
+        ]
+        return replace(compared, differences=tuple(largest))
 
     def _compared(self, q: Array, found: Mapping[str, Array]) -> VoxelSums:
         """Return how many configurations (k, n) Pinocchio has computed again, and the largest differences."""

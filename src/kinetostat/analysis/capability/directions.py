@@ -14,13 +14,14 @@ import numpy as np
 
 from kinetostat.conventions import Array
 
-__all__ = ["DIRECTIONS", "bins", "centres", "coverage", "mask"]
+__all__ = ["DIRECTIONS", "bins", "centres", "coverage", "mask", "widened"]
 
 # Bins of each ring from +z to -z. A pole, the equator and every axis are in the middle of a bin, not on an edge: tools
 # point along axes, and rounding must not choose.
 _RINGS = np.array([1, 8, 12, 16, 12, 8, 1])
 DIRECTIONS = int(np.sum(_RINGS))
 _FIRST = np.cumsum(_RINGS) - _RINGS
+_NEXT = 40.0  # degrees between middles of bins that are side by side, at most
 _EDGES = 1 - 2 * np.cumsum(_RINGS)[:-1] / DIRECTIONS  # heights: by Archimedes, area between parallels is as height
 
 
@@ -53,3 +54,14 @@ def coverage(masks: Any) -> Array:
     """Return the share of directions that are in masks, (...) -> (...)."""
     share: Array = np.bitwise_count(masks) / DIRECTIONS
     return share
+
+
+def widened(masks: Any) -> Any:
+    """Return masks with all bins added that are side by side with one in them, (...) -> (...)."""
+    middles = centres()
+    near = middles @ middles.T > np.cos(np.radians(_NEXT))
+    wide = np.zeros_like(masks)
+    for i in range(DIRECTIONS):
+        beside = np.bitwise_or.reduce(np.left_shift(np.uint64(1), np.flatnonzero(near[i]).astype(np.uint64)))
+        wide |= np.where((masks & beside) != 0, np.uint64(1) << np.uint64(i), np.uint64(0))
+    return wide

@@ -1,4 +1,4 @@
-"""Where to place a robot's base for a list of wanted poses: ranked by a map of its capabilities, proved by IK."""
+"""Where to place a robot's base for a list of wanted poses: promised by a map of its capabilities, settled by IK."""
 
 from __future__ import annotations
 
@@ -7,49 +7,30 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetostat.analysis.capability.capability_map import CapabilityMap
-from kinetostat.analysis.capability.directions import mask
+from kinetostat.analysis.capability.promising import PlacementMap, arriving, placement_map, promised_at
+from kinetostat.analysis.capability.settling import Settler, based, path
 from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.crosscheck import Certificate, combined
 from kinetostat.analysis.inverse.ik import ik
 from kinetostat.analysis.inverse.pose import Pose
-from kinetostat.conventions import Array, Flags
+from kinetostat.conventions import Array, Flags, Reference
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError
-from kinetostat.screw import se3, so3
+from kinetostat.screw import se3
 
-__all__ = ["BasePlacement", "PlacementMap", "ProvedPlacement", "base_placement", "placement_map"]
+__all__ = ["BasePlacement", "PlacementMap", "ProvedPlacement", "base_placement"]
 
-HEADINGS = 24  # of the base, 15 degrees apart
-_PROVED = 8  # positions whose poses are solved for
-_TRIES = 30  # starts of each pose's solution at most: what the map says may be reached seldom needs more than one
+_CANDIDATES = 64  # positions that are tried at first
+_TRIED = 6  # starts of each pose there
+_REFINED = 6  # of them that are made better
+_PROVED = 8  # positions of the answer
+_MORE = 12  # further starts of each pose from these
+_ENDS = 12_288  # starts in all of a position of the answer, for poses that are many
+_LOOKED_AT = 48  # poses, until the answer
+_TRIES = 30  # starts more of a pose that none of them reached
 _MOST_POSES = 10_000
-_DIGITS = 12  # decimal places of positions in m: 0 where rounding would leave 1e-16
-_MOST_LOOKUPS = 1e10  # some minutes
-
-
-@dataclass(frozen=True, repr=False)
-class PlacementMap:
-    """What a map of capabilities says of every place of the base, at the best of its headings.
-
-    Attributes:
-        x: positions of the base, (a,), m.
-        y: (b,), m.
-        yaw: its heading there, (a, b), rad.
-        promised: how many of the poses are in voxels that the tool reaches, from the wanted direction, (a, b).
-        dexterity: the mean over them of the voxel's best smallest singular value, (a, b); 0 where there is none.
-    """
-
-    x: Array
-    y: Array
-    yaw: Array
-    promised: NDArray[np.int64]
-    dexterity: Array
-
-    def __repr__(self) -> str:
-        return f"<PlacementMap of {self.yaw.size} positions, at most {int(self.promised.max())} poses>"
 
 
 @dataclass(frozen=True, repr=False)
@@ -99,7 +80,8 @@ class BasePlacement:
         poses: the wanted poses in the world, (p, 4, 4), m.
         oriented: whether directions of approach counted.
         map: what the map says of every position.
-        proved: the best positions, with what inverse kinematics says: by poses reached, then by the worst of them.
+        proved: the best positions, with what inverse kinematics says: by poses reached, then by the worst of them. None
+            where no position is known that reaches any.
         certificate: what the two engines say of the tool's placement at all solutions.
     """
 
@@ -114,6 +96,25 @@ class BasePlacement:
         best = max((one.count for one in self.proved), default=0)
         return f"<BasePlacement for {len(self.poses)} poses: {best} reached from the best of {len(self.proved)}>"
 
+    @property
+    def looked_at(self) -> int:
+        """How many of the poses the search looked at before the answer, which is of all."""
+        return min(len(self.poses), _LOOKED_AT)
+
+    @property
+    def why_none(self) -> str | None:
+        """Why no position reaches any pose; None where one does."""
+        if self.proved:
+            return None
+        (low, high), heights = self.capability.box, self.poses[:, 2, 3]
+        said = f"no position of the base is known that reaches any of the {len(self.poses)} poses"
+        linear = self.capability.task.linear
+        counts = len(linear) == 3 or (2 in linear and not self.capability.kernel.local)
+        if counts and (heights.min() > high[2] or heights.max() < low[2]):
+            given = f"z = {heights.min():.4g} to {heights.max():.4g} m"
+            return f"{said}: they are at {given}, the tool gets to z = {low[2]:.4g} to {high[2]:.4g} m"
+        return f"{said}: of {_CANDIDATES} that were tried, none does"
+
 
 def base_placement(
     model: Model,
@@ -124,13 +125,20 @@ def base_placement(
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
 ) -> BasePlacement:
-    """Return where the base ought to stand so that the tool reaches wanted poses.
+    """Return where the base ought to stand so that the tool reaches wanted poses, and moves well there.
 
-    The observer of the map stands on the world's plane z = 0, at any x and y and with any heading about z. Every
-    position of a grid with the map's voxel size, at headings 15 degrees apart, is judged by the map: a pose counts if
-    its voxel is reached, and if its z axis is among the voxel's directions of approach. The eight positions with the
-    most poses, then with the largest mean of their voxels' best smallest singular values, are proved: each pose is
-    solved by inverse kinematics inside joint limits, from the map's own configuration on.
+    The observer of the map stands on the world's plane z = 0, at any x and y and with any heading about z. The map
+    judges every position of a grid with its voxel size, at headings 15 degrees apart: a pose counts if its voxel is
+    reached, and if its z axis is among the voxel's directions of approach (with their neighbours, where the map has few
+    configurations a voxel). From the most promising positions inverse kinematics inside joint limits is tried from
+    several starts. The best of them go on in steps of x, y and heading, down to a sixty-fourth of a voxel, as long as
+    that reaches more poses, or lets the worst of them have a larger smallest singular value by its best branch. Of the
+    places that come out, the better is that which reaches more poses, then that whose worst pose is better. It is a
+    search, not a proof that there is no better place. Of lists with more than 48 poses it looks at 48, evenly spread,
+    until the end.
+
+    Each pose's branch is the one that makes the joints travel least from pose to pose, of those that are no worse than
+    the place's worst pose.
 
     N. Vahrenkamp, T. Asfour and R. Dillmann, "Robot placement based on reachability inversion", ICRA 2013, invert the
     map once; here positions are few enough (a plane) to ask it of each.
@@ -153,120 +161,73 @@ def base_placement(
     if capability.task.angular and not wanted.oriented:
         raise UsageError("poses have no orientation, but turns count", remedy="--axes xyz takes positions")
     oriented = bool(capability.task.angular)
+    tell = progress or _silent
     found = placement_map(capability, poses, oriented=oriented, progress=progress)
-    proved, certificates = list[ProvedPlacement](), list[Certificate]()
-    places = _best(found, poses)
+    places = _settled(capability, _candidates(found, poses), poses, seed, tell)
+    final, proved, certificates = Settler(capability, poses, seed), list[ProvedPlacement](), list[Certificate]()
     for i, place in enumerate(places):
-        if progress is not None:
-            progress(f"inverse kinematics of position {i + 1} of {len(places)}", i / len(places))
-        one, certificate = _proved(model, capability, Pose(poses, oriented), found, place, q, seed)
+        tell(f"inverse kinematics of position {i + 1} of {len(places)}", i / len(places))
+        one, certificate = _proved(model, final, Pose(poses, oriented), place, q, seed)
         proved.append(one)
         certificates.append(certificate)
-    proved.sort(key=lambda one: (-one.count, -one.worst))
-    return BasePlacement(capability, poses, oriented, found, tuple(proved), combined(certificates))
+    ranked = sorted((one for one in proved if one.count), key=lambda one: (-one.count, -one.worst))
+    return BasePlacement(capability, poses, oriented, found, tuple(ranked), combined(certificates))
 
 
-def placement_map(
-    capability: CapabilityMap,
-    poses: Array,
-    *,
-    oriented: bool,
-    progress: Callable[[str, float], None] | None = None,
-) -> PlacementMap:
-    """Return what the map says of every position of the base; see `base_placement`. (p, 4, 4).
-
-    Raises:
-        UsageError: there would be too many to look up.
-    """
-    x, y = _positions(capability, poses)
-    if len(x) * len(y) * HEADINGS * len(poses) > _MOST_LOOKUPS:
-        message = f"{len(x)} x {len(y)} base positions at {HEADINGS} headings are too many for {len(poses)} poses"
-        raise UsageError(message, remedy="give a larger --voxel, or fewer poses")
-    shape = len(x), len(y)
-    promised, dexterity, yaw = np.zeros(shape, dtype=np.int64), np.zeros(shape), np.zeros(shape)
-    for i, heading in enumerate(_headings()):
-        if progress is not None:
-            progress(f"base headings, {i + 1} of {HEADINGS}", i / HEADINGS)
-        count, total = _promised(capability, poses, x, y, heading, oriented)
-        mean = np.divide(total, count, out=np.zeros(shape), where=count > 0)
-        better = (count > promised) | ((count == promised) & (mean > dexterity))
-        promised, dexterity, yaw = (
-            np.where(better, new, old) for new, old in ((count, promised), (mean, dexterity), (heading, yaw))
-        )
-    return PlacementMap(x, y, yaw, promised, dexterity)
+def _silent(what: str, share: float) -> None:
+    """Tell nobody."""
 
 
-def _headings() -> Array:
-    """Return headings from 0 on, near ones first: of those that are as good, the first counts."""
-    steps = np.arange(HEADINGS)
-    turns: Array = 2 * math.pi / HEADINGS * np.where(steps > HEADINGS // 2, steps - HEADINGS, steps)
-    return turns[np.argsort(np.abs(turns), kind="stable")]
-
-
-def _positions(capability: CapabilityMap, poses: Array) -> tuple[Array, Array]:
-    """Return x and y of positions from which something may be reached, one in the middle of the poses."""
-    grid = capability.grid
-    corners = np.abs(np.stack([grid.origin, grid.origin + grid.size * np.array(grid.shape)]))[:, :2]
-    reach = float(np.linalg.norm(corners.max(axis=0)))
-    places = poses[:, :2, 3]
-    middle, low, high = places.mean(axis=0), places.min(axis=0) - reach, places.max(axis=0) + reach
-    if not np.all((high - low) / grid.size < math.sqrt(_MOST_LOOKUPS)):
-        raise UsageError("the poses are too far apart for this size of voxel", remedy="check their unit, it is m")
-    first, last = np.ceil((low - middle) / grid.size), np.floor((high - middle) / grid.size)
-    x, y = (np.round(middle[i] + grid.size * np.arange(first[i], last[i] + 1), _DIGITS) + 0.0 for i in range(2))
-    return x, y
-
-
-def _promised(
-    capability: CapabilityMap, poses: Array, x: Array, y: Array, heading: float, oriented: bool
-) -> tuple[NDArray[np.int64], Array]:
-    """Return how many poses the map has for every position, and the sum of best smallest singular values. (a, b)."""
-    count, total = np.zeros((len(x), len(y)), dtype=np.int64), np.zeros((len(x), len(y)))
-    best, directions = capability.best_singular_value.ravel(), capability.directions.ravel()
-    back = so3.about(2, np.array(-heading))
-    # In the base's axes a pose is at back (p - (x, y, 0)): a sum of what x gives and what y gives.
-    from_x, from_y = x[:, None, None] * back[:, 0], y[None, :, None] * back[:, 1]
-    for pose in poses:
-        at = capability.grid.index(back @ pose[:3, 3] - from_x - from_y)
-        there = at >= 0
-        if oriented:
-            there &= (directions[at] & mask(back @ pose[:3, 2])) != 0
-        else:
-            there &= directions[at] != 0
-        count += there
-        total += np.where(there, best[at], 0.0)
-    return count, total
-
-
-def _best(found: PlacementMap, poses: Array) -> list[tuple[int, int]]:
-    """Return the positions to be proved: most poses, then most dexterity, then nearest to the middle of the poses."""
+def _candidates(found: PlacementMap, poses: Array) -> Array:
+    """Return places to be tried, (m, 3): most poses, then most dexterity, then nearest to the middle; none beside."""
     middle = poses[:, :2, 3].mean(axis=0)
     away = np.hypot(found.x[:, None] - middle[0], found.y - middle[1])
-    order = np.lexsort((away.ravel(), -found.dexterity.ravel(), -found.promised.ravel()))[:_PROVED]
-    places = [(int(i), int(j)) for i, j in zip(*np.unravel_index(order, found.promised.shape), strict=True)]
-    return [place for place in places if found.promised[place]] or places[:1]
+    order = np.lexsort((away.ravel(), -found.dexterity.ravel(), -found.promised.ravel()))
+    free, places = np.ones(found.promised.shape, dtype=bool), list[tuple[float, float, float]]()
+    for i, j in zip(*np.unravel_index(order, found.promised.shape), strict=True):
+        if free[i, j]:
+            places.append((float(found.x[i]), float(found.y[j]), float(found.yaw[i, j])))
+            free[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] = False
+        if len(places) == _CANDIDATES:
+            break
+    return np.array(places)
+
+
+def _settled(
+    capability: CapabilityMap, places: Array, poses: Array, seed: int, tell: Callable[[str, float], None]
+) -> Array:
+    """Return the places that come out, the best first, (m, 3): refined ones, and the best of the others."""
+    some = poses[np.unique(np.linspace(0, len(poses) - 1, _LOOKED_AT).round().astype(int))]
+    settler, size = Settler(capability, some, seed), capability.grid.size
+    tell(f"inverse kinematics of {len(places)} positions", 0.0)
+    tried = settler.from_map(places, _TRIED)
+    tried = tried.part(tried.order)
+    first = settler.again(tried.part(slice(_REFINED)), _MORE)
+    refined = settler.refined(first, size, lambda share: tell("better positions beside the best", share))
+    refined = refined.part(refined.order)
+    chosen = list[Array]()
+    for place in [*refined.places, *tried.places[_REFINED:]]:
+        if all(math.hypot(*(place - other)[:2]) >= size for other in chosen):
+            chosen.append(place)
+    return np.array(chosen[:_PROVED])
 
 
 def _proved(
-    model: Model,
-    capability: CapabilityMap,
-    wanted: Pose,
-    found: PlacementMap,
-    place: tuple[int, int],
-    q: Array,
-    seed: int,
+    model: Model, settler: Settler, wanted: Pose, place: Array, q: Array, seed: int
 ) -> tuple[ProvedPlacement, Certificate]:
-    """Return what inverse kinematics says of a position of the base."""
-    x, y, yaw = float(found.x[place[0]]), float(found.y[place[1]]), float(found.yaw[place])
-    base = se3.placement(so3.about(2, np.array(yaw)), np.array([x, y, 0.0]))
-    goals = se3.inverse(base) @ wanted.matrix
-    starts = capability.configurations(capability.grid.index(goals[:, :3, 3]), q)
+    """Return what inverse kinematics says of a place of the base."""
+    capability, joints = settler.capability, settler.capability.coordinates
+    tries = max(2, min(_MORE, _ENDS // len(wanted.matrix)))
+    found = settler.again(settler.from_map(place[None], tries), tries)
+    starts = joints.configuration(path(joints, found.q[0], found.values[0], settler.aim.units), q)
+    goals = replace(wanted, matrix=se3.inverse(based(place)) @ wanted.matrix)
     solved = ik(
         model,
         capability.velocity.of,
-        replace(wanted, matrix=goals),
+        goals,
         starts,
         axes=capability.task.row_names,
+        reference=Reference.LOCAL if capability.kernel.local else Reference.ALIGNED,
         relative_to=capability.velocity.relative_to,
         point=capability.velocity.point,
         tries=_TRIES,
@@ -274,7 +235,11 @@ def _proved(
     )
     reached = np.asarray(solved.converged & solved.inside_limits)
     smallest = np.where(reached, _smallest(capability, solved.q), np.nan)
-    promised, dexterity = int(found.promised[place]), float(found.dexterity[place])
+    x, y, yaw = (float(number) for number in place)
+    yaw = math.remainder(yaw, 2 * math.pi)
+    arrive = arriving(capability, wanted.oriented)
+    count, total = promised_at(capability, wanted.matrix, np.array([x]), np.array([y]), yaw, arrive)
+    promised, dexterity = int(count[0, 0]), float(total[0, 0]) / max(int(count[0, 0]), 1)
     return ProvedPlacement(x, y, yaw, promised, dexterity, reached, solved.q, smallest), solved.certificate
 
 

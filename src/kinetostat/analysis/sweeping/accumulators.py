@@ -127,6 +127,7 @@ class Tally:
         minimum: the smallest, None where there is no number.
         maximum: the largest.
         below: how many are below each of the thresholds that the question has.
+        above: how many are above each of its other thresholds.
     """
 
     invalid: int = 0
@@ -138,40 +139,45 @@ class Tally:
     minimum: Peak | None = None
     maximum: Peak | None = None
     below: tuple[int, ...] = ()
+    above: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Tally of {self.count} numbers>"
 
     @classmethod
-    def of(cls, values: Array, start: int = 0, below: tuple[float, ...] = ()) -> Tally:
+    def of(cls, values: Array, start: int = 0, below: tuple[float, ...] = (), above: tuple[float, ...] = ()) -> Tally:
         """Return what is to be known of the numbers of one chunk.
 
         Args:
             values: the numbers. (m,).
             start: the row of the first of them.
-            below: thresholds.
+            below: thresholds that numbers are to be below of.
+            above: thresholds that they are to be above of.
         """
         less = tuple(int(np.count_nonzero(values < threshold)) for threshold in below)
+        more = tuple(int(np.count_nonzero(values > threshold)) for threshold in above)
         if not len(values):
-            return cls(below=less)
+            return cls(below=less, above=more)
         values = np.ascontiguousarray(values)
         low, high = int(np.argmin(values)), int(np.argmax(values))
         ends = Peak(float(values[low]), start + low), Peak(float(values[high]), start + high)
         if ends[0].value > 0 and ends[1].value < math.inf:  # no NaN either, which argmin would have found
             positive = Counts.of(values, ends[0].value, ends[1].value)
-            return cls(positive=positive, total=_exact(values), minimum=ends[0], maximum=ends[1], below=less)
+            return cls(
+                positive=positive, total=_exact(values), minimum=ends[0], maximum=ends[1], below=less, above=more
+            )
         sizes = np.abs(values)
         if float(np.min(sizes)) > 0 and float(np.max(sizes)) < math.inf:
             parts = Counts.of_signs(values, sizes)
-            return cls(0, (0, 0), 0, *parts, total=_exact(values), minimum=ends[0], maximum=ends[1], below=less)
-        return cls._of_any(values, start, less)
+            return cls(0, (0, 0), 0, *parts, _exact(values), *ends, less, more)
+        return cls._of_any(values, start, less, more)
 
     @classmethod
-    def _of_any(cls, values: Array, start: int, below: tuple[int, ...]) -> Tally:
+    def _of_any(cls, values: Array, start: int, below: tuple[int, ...], above: tuple[int, ...]) -> Tally:
         """Return the same of numbers among which there are zeros, infinite ones, or some that are none."""
         invalid = int(np.count_nonzero(np.isnan(values)))
         if invalid == len(values):
-            return cls(invalid=invalid, below=below)
+            return cls(invalid=invalid, below=below, above=above)
         ends = float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
         low, high = (int(np.argmax(values == end)) for end in ends)
         finite = values[np.isfinite(values)]
@@ -186,6 +192,7 @@ class Tally:
             minimum=Peak(ends[0] + 0.0, start + low),  # -0 is 0
             maximum=Peak(ends[1] + 0.0, start + high),
             below=below,
+            above=above,
         )
 
     def merged(self, other: Tally) -> Tally:
@@ -200,6 +207,7 @@ class Tally:
             other.minimum if self.minimum is None else self.minimum.better(other.minimum, -1),
             other.maximum if self.maximum is None else self.maximum.better(other.maximum, 1),
             _added(self.below, other.below),
+            _added(self.above, other.above),
         )
 
     @property
@@ -279,6 +287,7 @@ class Tally:
             "values": np.array([peak.value for peak in peaks]),
             "rows": np.array([peak.row for peak in peaks]),
             "below": np.array(self.below, dtype=np.int64),
+            "above": np.array(self.above, dtype=np.int64),
         }
 
     @classmethod
@@ -299,6 +308,7 @@ class Tally:
             minimum,
             maximum,
             tuple(map(int, state["below"])),
+            tuple(map(int, state["above"])),
         )
 
 

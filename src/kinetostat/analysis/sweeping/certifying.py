@@ -11,16 +11,20 @@ import numpy as np
 from kinetostat.analysis.coordinates import Coordinates
 from kinetostat.analysis.crosscheck import Certificate, length_scale
 from kinetostat.analysis.loads import Payload, carried, force_scale, load_scale
-from kinetostat.conventions import PLANAR_POSITION, Array, Load, Velocity, tolerance
+from kinetostat.conventions import Array, Load, Velocity, tolerance
 from kinetostat.screw.kernel import Kernel, effort_use
 from kinetostat.urdf.description import JointType
 
 __all__ = ["UNCHECKED", "RowWitness", "row_witness"]
 
-UNCHECKED = ("limit_distance",)  # a question of coordinates and limits, not of an engine
+UNCHECKED = ("limit_distance",)  # by an engine: a question of coordinates and limits, computed again in plain Python
 _TORQUES = ("gravity_torque", "effort_use")
 _GRADIENTS = ("yoshikawa_gradient", "minimum_gradient")
 _GAP = 1e-6  # of the largest singular value: gradients of one that is so near to zero, or to the next, have no digits
+_SHORT = 16  # coordinates: derivatives along each of them are compared,
+_DIRECTIONS, _SIGNS_SEED = 4, 0x51675  # and along so many directions where there are more
+_LIMITS = 1e-8  # of half a range: limits are not known as exactly as arithmetic is
+_NARROW = 1e7  # size of numbers over half a range, from which on too few digits are left
 _ONE_AT_A_TIME = threading.Lock()  # an engine has one workspace
 
 
@@ -49,11 +53,19 @@ class RowWitness:
     tolerances: dict[str, float]
 
     def differences(self, q: Array, outputs: Mapping[str, Array]) -> dict[str, Array]:
-        """Return how far apart the kernel's outputs and Pinocchio's are, in each row. (k, n), {(k, ...)} -> {(k,)}."""
-        again = self.again(q)
+        """Return how far apart the kernel's outputs and Pinocchio's are, in each row. (k, n), {(k, ...)} -> {(k,)}.
+
+        Gradients of more than 16 coordinates are compared along four directions, whose entries are 1 or -1 by chance,
+        instead of entry by entry, with sqrt(n) times the tolerance: a wrong entry shows in each of them.
+        """
+        along = self._directions
+        with _ONE_AT_A_TIME:
+            again = self._again(q, along)
         found = {}
         for name in self.tolerances:
             ours, theirs, scale = outputs[name], again[name], again[f"{name} scale"]
+            if name in _GRADIENTS and along is not None:
+                ours, scale = ours @ along.T, scale * np.sqrt(along.shape[1])
             with np.errstate(invalid="ignore"):
                 apart = np.abs(ours - theirs) / scale.reshape(-1, *(1,) * (ours.ndim - 1))
             apart = np.where(np.isnan(ours) & np.isnan(theirs), 0.0, np.where(np.isnan(apart), np.inf, apart))
@@ -63,7 +75,8 @@ class RowWitness:
 
     def certificate(self, name: str, difference: float | None, values: tuple[Array, ...] = ()) -> Certificate:
         """Return what the two engines say of an output, given the largest difference; None if nothing was compared."""
-        engines = ("screw",) if difference is None else ("pinocchio", "screw")
+        second = "python" if name in UNCHECKED else "pinocchio"
+        engines = ("screw",) if difference is None else (second, "screw")
         return Certificate(engines, difference, self.tolerances[name], values)
 
     def again(self, q: Array) -> dict[str, Array]:
@@ -71,7 +84,16 @@ class RowWitness:
         with _ONE_AT_A_TIME:
             return self._again(q)
 
-    def _again(self, q: Array) -> dict[str, Array]:
+    @property
+    def _directions(self) -> Array | None:
+        """Along which derivatives of a long chain are compared, (d, n); None: along each coordinate."""
+        n = len(self.coordinates.names)
+        if n <= _SHORT:
+            return None
+        signs = np.random.Generator(np.random.Philox(key=_SIGNS_SEED)).integers(2, size=(_DIRECTIONS, n))
+        return np.where(signs == 1, 1.0, -1.0)
+
+    def _again(self, q: Array, along: Array | None = None) -> dict[str, Array]:
         engine, wanted = self.coordinates.model.engine, set(self.tolerances)
         whole, one = self.coordinates.configuration(q, self.rest), np.ones(len(q))
         found: dict[str, Array] = {f"{name} scale": one for name in wanted}
@@ -80,13 +102,14 @@ class RowWitness:
             point = np.array([*(self.velocity.point or (0.0, 0.0, 0.0)), 1.0])
             placement[..., :3, 3] = (placement @ point)[..., :3]
             found["placement"] = placement[..., :3, :]
-        if wanted - {"placement", *_TORQUES}:
-            found |= self._jacobians(whole, q)
+        if wanted - {"placement", *_TORQUES, *UNCHECKED}:
+            found |= self._jacobians(whole, q, along)
+        if "limit_distance" in wanted:
+            found |= self._limit_distance(q)
         if wanted & set(_TORQUES):
-            rates, _ = self._rates(q)
             gravity = np.zeros(3) if self.kernel.gravity is None else self.kernel.gravity
             torques = engine.holding_torques(whole, gravity, self.loads)[..., self._columns]
-            found["gravity_torque"] = np.einsum("kij,ki->kj", rates, torques)
+            found["gravity_torque"] = self._by_coordinate(torques, q)
             limits = self.kernel.effort_limits
             if "effort_use" in wanted and limits is not None:
                 found["effort_use"] = effort_use(found["gravity_torque"], limits)
@@ -98,43 +121,93 @@ class RowWitness:
         """Where the chain's columns are among those of the whole robot."""
         return self.coordinates.model.robot.velocity_columns(list(dict.fromkeys(self.coordinates.joints)))
 
-    def _jacobians(self, whole: Array, q: Array) -> dict[str, Array]:
-        """Return Jacobian, singular values and their product, and gradients where they are compared."""
-        rates, turned = self._rates(q)
+    def _jacobians(self, whole: Array, q: Array, along: Array | None) -> dict[str, Array]:
+        """Return Jacobian, singular values and their product, and gradients, along directions (d, n), if compared."""
         own = self.coordinates.model.engine.jacobian(whole, self.velocity)[..., self._columns]
-        jacobian = own @ rates
+        jacobian = self._by_coordinate(own, q)
         u, s, vt = np.linalg.svd(self.kernel.weighed(jacobian), full_matrices=False)
         count = s.shape[-1]
         magnified = np.maximum(1.0, count * s[:, 0] ** (count - 1))
         found = {"jacobian": jacobian, "singular_values": s, "yoshikawa": np.prod(s, axis=-1)}
         if set(_GRADIENTS) & set(self.tolerances):
-            everything = np.zeros((*q.shape, self.coordinates.model.robot.nv))
-            everything[..., self._columns] = np.swapaxes(rates, -1, -2)
-            along = self.coordinates.model.engine.jacobian_rate(whole[:, None, :], everything, self.velocity)
-            # d(J W)/dq_j = dJ/dq_j W + J dW/dq_j; (k, j, 6, n) -> (k, 6, n, j)
-            derivative = np.moveaxis(along[..., self._columns] @ rates[:, None] + own[:, None] @ turned, 1, -1)
-            slopes = np.einsum("kri,krcj,kic->kij", u, self.kernel.weighed(derivative, columns_at=-2), vt)
+            along = np.eye(q.shape[1]) if along is None else along
+            # d(J W)/dt = dJ/dt W + J dW/dt; (k, d, 6, n) -> (k, 6, n, d)
+            rates = self._jacobian_rates(whole, q, along)
+            derivative = self._by_coordinate(rates, q) + self._turned(own, q, along)
+            weighed = self.kernel.weighed(np.moveaxis(derivative, 1, -1), columns_at=-2)
+            slopes = np.einsum("kri,krcj,kic->kij", u, weighed, vt)
             found |= _gradients(s, slopes, magnified)
         return {**found, "yoshikawa scale": magnified}
 
-    def _rates(self, q: Array) -> tuple[Array, Array]:
-        """Return W with (rates of the engine's columns) = W dq/dt, (k, n, n), and dW/dq_j, (k, j, n, n).
+    def _jacobian_rates(self, whole: Array, q: Array, along: Array) -> Array:
+        """Return how the engine's columns change while coordinates move along directions. (d, n) -> (k, d, 6, n)."""
+        rates = np.zeros((len(q), len(along), self.coordinates.model.robot.nv))
+        moved = np.tile(along, (len(q), 1, 1))
+        for j in self._planar:
+            moved[..., j : j + 2] = _rotated(moved[..., j : j + 2], -q[:, j + 2])
+        rates[..., self._columns] = moved
+        found: Array = self.coordinates.model.engine.jacobian_rate(whole[:, None, :], rates, self.velocity)
+        return found[..., self._columns]
 
-        They are the same but for planar joints, whose rates are a twist in the moved link's axes: (vx, vy) = R(-theta)
-        d(x, y)/dt.
+    # The engine's rates are W times those of the coordinates: W is 1 but for planar joints, whose rates are a twist in
+    # the moved link's axes: (vx, vy) = R(-theta) d(x, y)/dt.
+
+    @property
+    def _planar(self) -> list[int]:
+        """Where coordinates of planar joints begin: x, y, theta."""
+        joints, found = self.coordinates.joints, list[int]()
+        for j, joint in enumerate(joints):
+            if joint.type is JointType.PLANAR and joint is not joints[j - 1 if j else j - len(joints)]:
+                found.append(j)
+        return found
+
+    def _by_coordinate(self, columns: Array, q: Array) -> Array:
+        """Return M W of engine's columns M. (k, ..., n), (k, n) -> (k, ..., n)."""
+        found = columns.copy()
+        for j in self._planar:
+            found[..., j : j + 2] = _rotated(columns[..., j : j + 2], q[:, j + 2])
+        return found
+
+    def _turned(self, columns: Array, q: Array, along: Array) -> Array:
+        """Return M dW/dt of engine's columns M while coordinates move along directions. (d, n) -> (k, d, 6, n)."""
+        found = np.zeros((len(q), len(along), *columns.shape[1:]))
+        for j in self._planar:
+            turned = _rotated(columns[..., j : j + 2], q[:, j + 2] + np.pi / 2)  # dR/dtheta is R, a quarter turn on
+            found[..., j : j + 2] = along[:, j + 2, None, None] * turned[:, None]
+        return found
+
+    def _limit_distance(self, q: Array) -> dict[str, Array]:
+        """Return the distance to limits, and by how much its rounding is magnified, from the file's numbers alone.
+
+        A follower's limits count as its leader's. Ranges that are hardly any are not compared.
         """
-        n = len(self.coordinates.names)
-        rates, turned = np.tile(np.eye(n), (len(q), 1, 1)), np.zeros((len(q), n, n, n))
-        j = 0
-        for joint in dict.fromkeys(self.coordinates.joints):
-            if joint.type is JointType.PLANAR:
-                angle = q[:, j + len(PLANAR_POSITION) - 1]
-                c, s = np.cos(angle), np.sin(angle)
-                block = slice(j, j + 2)
-                rates[:, block, block] = np.moveaxis(np.array([[c, s], [-s, c]]), -1, 0)
-                turned[:, j + 2, block, block] = np.moveaxis(np.array([[-s, c], [-c, -s]]), -1, 0)
-            j += joint.type.nq
-        return rates, turned
+        robot = self.coordinates.model.robot
+        distance, scale = np.ones(len(q)), np.ones(len(q))
+        for joint, value in zip(self.coordinates.joints, q.T, strict=True):
+            if joint.type.nq != 1:
+                continue
+            low, high = joint.limit.range
+            laws = [(robot.joint_by_name[name], law) for name, law in robot.followers.items()]
+            for follower, law in laws:
+                if law.joint == joint.name and law.multiplier:
+                    a, b = ((end - law.offset) / law.multiplier for end in follower.limit.range)
+                    low, high = max(low, min(a, b)), min(high, max(a, b))
+            if low >= high:
+                low, high = joint.limit.range  # no follower can be anywhere
+            if np.isfinite(low) and np.isfinite(high):
+                with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+                    half = high / 2 - low / 2
+                    distance = np.fmin(distance, np.fmin((value - low) / half, (high - value) / half))
+                    scale = np.fmax(scale, (abs(low) + abs(high) + np.abs(value)) / half)
+        return {"limit_distance": distance, "limit_distance scale": np.where(scale < _NARROW, scale, np.inf)}
+
+
+def _rotated(pairs: Array, angle: Array) -> Array:
+    """Return plane vectors turned. (k, ..., 2), (k,) -> (k, ..., 2)."""
+    angle = angle.reshape(-1, *(1,) * (pairs.ndim - 2))
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = pairs[..., 0], pairs[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], -1)
 
 
 def _gradients(values: Array, slopes: Array, magnified: Array) -> dict[str, Array]:
@@ -190,6 +263,8 @@ def row_witness(
     for name in kernel.outputs:
         if name in _TORQUES:
             tolerances[name] = tolerance(load_scale(robot, whole, loads), force_scale(model, gravity, loads))
-        elif name not in UNCHECKED:
+        elif name in UNCHECKED:
+            tolerances[name] = _LIMITS
+        else:
             tolerances[name] = geometric if name in ("placement", "jacobian") else weighed
     return RowWitness(coordinates, kernel, rest, velocity, loads, tolerances)

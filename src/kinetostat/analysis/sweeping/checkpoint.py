@@ -1,7 +1,8 @@
 """What is done of a run, kept in a folder: written whole or not at all, so that a killed run loses nothing but seconds.
 
-The folder has one file, `checkpoint.npz` (plain arrays, nothing pickled): which question, which chunks are done, and
-what they gave. Both are written in one piece, so that no chunk is lost or counts twice, whenever the run is killed.
+The folder has one file, `checkpoint.npz` (plain arrays, nothing pickled): which question, which chunks are done, what
+they gave, and a SHA-256 of all that. It is written in one piece, so that no chunk is lost or counts twice, whenever the
+run is killed. Who can write in the folder is not trusted: links are not followed, what is no file is not opened.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import errno
 import fcntl
 import io
 import os
+import stat
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -22,16 +24,23 @@ import numpy as np
 from numpy.lib.npyio import NpzFile
 
 from kinetostat.analysis.sweeping.chunks import Chunks
+from kinetostat.analysis.sweeping.digest import digest
 from kinetostat.analysis.sweeping.work import P, State, Work
 from kinetostat.errors import UsageError, quote
 
 __all__ = ["Checkpoint", "open_checkpoint"]
 
-_FORMAT = 1
+_FORMAT = 2
+_LARGEST = 2**32  # bytes
 _FILE, _DRAFT, _LOCK = "checkpoint.npz", "checkpoint.npz.part", "lock"
 _STATE = "state."
-_UNREADABLE = (OSError, ValueError, TypeError, KeyError, EOFError, NotImplementedError, zipfile.BadZipFile, zlib.error)
+_UNREADABLE = (
+    *(OSError, ValueError, TypeError, KeyError, IndexError, OverflowError, EOFError, MemoryError, NotImplementedError),
+    *(RuntimeError, zipfile.BadZipFile, zlib.error),
+)
 _BUSY = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES)
+
+_NO_ODDITIES = os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC  # links, and pipes that nobody writes into
 
 _locks = set[int]()  # descriptors of the folders that this process holds
 
@@ -66,18 +75,22 @@ class Checkpoint:
         Raises:
             UsageError: it is of another question, damaged, or no checkpoint.
         """
-        path = self.folder / _FILE
-        if not path.exists():
-            return None
         try:
-            kept = _arrays(path)
-            version, digest, chunks = int(kept["format"]), str(kept["digest"]), int(kept["chunks"])
-            done = Chunks.of(kept["done"])
+            kept = _arrays(self.folder / _FILE)
+            version = int(kept["format"])
+        except FileNotFoundError:
+            return None
         except _UNREADABLE:
             raise self._damaged() from None
         if version != _FORMAT:
             raise self._refused("is of another version of kinetostat")
-        if (digest, chunks) != (work.digest, work.chunks):
+        try:
+            if str(kept.pop("sum")) != _sum(kept):
+                raise ValueError("not what was written")
+            question, chunks, done = str(kept["digest"]), int(kept["chunks"]), Chunks.of(kept["done"])
+        except _UNREADABLE:
+            raise self._damaged() from None
+        if (question, chunks) != (work.digest, work.chunks):
             raise self._refused("is of another question")
         try:
             if done.intervals and done.intervals[-1][1] > chunks:
@@ -94,17 +107,19 @@ class Checkpoint:
             OSError: it cannot be written.
         """
         content = io.BytesIO()  # in memory first: what fails on a disk fails here, not inside a zip file's end
-        kept: dict[str, Any] = {
+        kept: State = {
             "format": np.array(_FORMAT),
             "digest": np.array(work.digest),
             "chunks": np.array(work.chunks),
             "done": done.array(),
             **{_STATE + name: _plain(name, array) for name, array in state.items()},
         }
-        np.savez(content, **kept)
+        whole: dict[str, Any] = {**kept, "sum": np.array(_sum(kept))}
+        np.savez(content, **whole)
         draft = self.folder / _DRAFT
         try:
-            with draft.open("wb") as file:
+            draft.unlink(missing_ok=True)  # of a run that was killed; or a link, which is not to be followed
+            with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666), "wb") as file:
                 file.write(content.getbuffer())
                 file.flush()
                 os.fsync(file.fileno())
@@ -137,12 +152,17 @@ def open_checkpoint(folder: Path) -> Iterator[Checkpoint]:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        lock = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT | _NO_ODDITIES, 0o666)
     except OSError as error:
+        why = "its 'lock' is a link" if error.errno == errno.ELOOP else error.strerror
         raise UsageError(
-            f"cannot keep a checkpoint in {quote(str(folder))}: {error.strerror}", remedy="give another folder"
+            f"cannot keep a checkpoint in {quote(str(folder))}: {why}", remedy="give another folder"
         ) from None
     try:
+        if not stat.S_ISREG(os.fstat(lock).st_mode):
+            raise UsageError(
+                f"cannot keep a checkpoint in {quote(str(folder))}: its 'lock' is no file", remedy="give another folder"
+            )
         _hold(lock, folder)
         _locks.add(lock)
         yield Checkpoint(folder)
@@ -166,13 +186,27 @@ def _arrays(path: Path) -> State:
     """Return everything in a file of arrays.
 
     Raises:
-        ValueError: it is no such file, or one of Python objects; further ones of `_UNREADABLE` where it is damaged.
+        FileNotFoundError: there is none.
+        ValueError: it is no such file, too large, or one of Python objects; further ones of `_UNREADABLE` where it is
+            damaged.
     """
-    loaded = np.load(io.BytesIO(path.read_bytes()), allow_pickle=False)  # NumPy leaves a damaged file open
+    with os.fdopen(os.open(path, os.O_RDONLY | _NO_ODDITIES), "rb") as file:
+        is_what = os.fstat(file.fileno())
+        if not stat.S_ISREG(is_what.st_mode) or is_what.st_size > _LARGEST:
+            raise ValueError("no file, or too large")
+        content = io.BytesIO(file.read(is_what.st_size))
+    loaded = np.load(content, allow_pickle=False)  # NumPy leaves a damaged file open
     if not isinstance(loaded, NpzFile):
         raise ValueError("one array")  # noqa: TRY004
     with loaded:
+        if sum(entry.file_size for entry in zipfile.ZipFile(content).infolist()) > _LARGEST:
+            raise ValueError("too large")
         return {name: loaded[name] for name in loaded.files}
+
+
+def _sum(kept: State) -> str:
+    """Return the SHA-256 of arrays and their names."""
+    return digest(dict(sorted(kept.items())))
 
 
 def _plain(name: str, array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:

@@ -249,7 +249,7 @@ def subject(coordinates: Coordinates, task: Task, *, scaled: bool) -> Subject:
 
 
 def asked(names: str | Sequence[str], of: Subject) -> tuple[Asked, ...]:
-    """Return the measures of some names, each once, in the order given.
+    """Return the measures of some names, in the order given.
 
     Args:
         names: of `MEASURES`, or a text with commas or blanks between them.
@@ -257,13 +257,15 @@ def asked(names: str | Sequence[str], of: Subject) -> tuple[Asked, ...]:
 
     Raises:
         UnknownNameError: no such measure.
-        UsageError: none is named.
+        UsageError: none is named, or one twice.
     """
     words = names.replace(",", " ").split() if isinstance(names, str) else list(names)
     if not words:
         raise UsageError("a sweep measures something", remedy=f"for instance {_ALL[0].name}")
     found = []
-    for word in dict.fromkeys(words):
+    for word in words:
+        if words.count(word) > 1:
+            raise UsageError(f"measure {quote(word)} is named twice", remedy="once is enough")
         if word not in MEASURES:
             raise unknown_name("measure", word, MEASURES, listing=f"there are {', '.join(map(quote, MEASURES))}")
         parts = MEASURES[word].parts(of)

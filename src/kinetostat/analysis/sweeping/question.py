@@ -5,31 +5,40 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
 
 from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.coordinates import Coordinates, coordinates
+from kinetostat.analysis.indices import NEAR
 from kinetostat.analysis.jacobian import labelled
 from kinetostat.analysis.kernels import chain_kernel
 from kinetostat.analysis.loads import Payload, effort_limits
 from kinetostat.analysis.sweeping.certifying import UNCHECKED, row_witness
-from kinetostat.analysis.sweeping.measures import Asked, asked, kernel_outputs, subject
-from kinetostat.analysis.sweeping.samples import Source, grid_source, halton_source, list_source, random_source
+from kinetostat.analysis.sweeping.measures import Asked, Subject, asked, kernel_outputs, subject
+from kinetostat.analysis.sweeping.samples import (
+    GridSource,
+    ListSource,
+    Source,
+    grid_source,
+    halton_source,
+    list_source,
+    random_source,
+)
 from kinetostat.analysis.sweeping.sweep_work import SweepWork
-from kinetostat.analysis.task import FULL, Task, characteristic_length
+from kinetostat.analysis.task import FULL, Task
+from kinetostat.analysis.typical_length import asked_length
 from kinetostat.conventions import Array, Reference
 from kinetostat.engines.model import Model
 from kinetostat.errors import ConfigurationError, UsageError, cut, quote, unknown_name
 from kinetostat.screw.kernel import Kernel
 
-__all__ = ["DEFAULT", "sweep_length", "sweep_work"]
+__all__ = ["DEFAULT", "sweep_work"]
 
 DEFAULT = ("yoshikawa", "minimum_singular_value", "inverse_condition_number")
-_FOR_LENGTH = 4096  # configurations that the characteristic length is the mean of
-_SHORTEST, _LONGEST = 1e-9, 1e9  # m
-_NO_LENGTH = 1e-9  # of the robot's reach
+_OVER = {"effort_use": 1.0}  # thresholds that are counted always: more is beyond a limit
 
 
 def sweep_work(
@@ -47,11 +56,13 @@ def sweep_work(
     point: Sequence[float] | None = None,
     reference: Reference | str = Reference.ALIGNED,
     axes: str | Sequence[str] | None = None,
-    length: float | Literal["auto", "none"] = "none",
+    length: float | Literal["auto", "none"] = "auto",
     gravity: Sequence[float] | Array | bool = True,
     payload: Payload | None = None,
     limits: Mapping[str, float | tuple[float, float]] | None = None,
     below: Mapping[str, float] | None = None,
+    above: Mapping[str, float] | None = None,
+    near: float = NEAR,
     degrees: bool = False,
     rows: bool = False,
 ) -> SweepWork:
@@ -67,9 +78,11 @@ def sweep_work(
     velocity = labelled(robot, frame, reference, relative_to, None, point)
     chain = coordinates(model, velocity.of, velocity.relative_to, velocity.point or (0.0, 0.0, 0.0))
     task = FULL if axes is None else Task.named(axes)
-    size, size_reference = sweep_length(chain, task, length)
+    if not 0 < near <= 1:
+        raise UsageError(f"near-singular is below a number between 0 and 1, not {near:g}", remedy=f"such as {NEAR}")
+    size, size_reference = asked_length(chain, task, length)
     described = subject(chain, task, scaled=size is not None)
-    wanted = asked(measures, described)
+    wanted = _with_thresholds(asked(measures, described), [*(below or {}), *(above or {})], described)
     if configurations is not None:
         rest = _rest_of(chain, wanted, configurations, rest)
     source = _source(chain, rest, samples, low_discrepancy, grid, configurations, seed, degrees=degrees)
@@ -86,12 +99,11 @@ def sweep_work(
         payload=payload,
         limits=limits,
     )
-    warnings = [*_about_limits(chain, source), *_about_efforts(chain, wanted, limits)]
+    warnings = [*_about_limits(chain, source), *_about_outside(chain, source), *_about_efforts(chain, wanted, limits)]
     if described.unit == "mixed" and {"singular_values", "yoshikawa"} & set(outputs):
-        warnings.append(
-            "m and rad are mixed: such numbers depend on the unit of length (--length auto, or a length in m, makes "
-            "them comparable)"
-        )
+        remedy = "no turn moves a linear row that counts; --length L" if length == "auto" else "--length auto"
+        mixed = "m and rad are mixed: such numbers depend on the unit of length"
+        warnings.append(f"{mixed} ({remedy} makes them comparable)")
     kernel = _scaled(kernel, chain, task, size)
     return SweepWork(
         source,
@@ -102,46 +114,14 @@ def sweep_work(
         size,
         size_reference,
         _thresholds(wanted, below),
+        _thresholds(wanted, above, least=_OVER),
+        near,
+        payload,
+        dict(limits or {}),
         seed,
         rows,
         tuple(warnings),
     )
-
-
-def sweep_length(chain: Coordinates, task: Task, wanted: float | str) -> tuple[float | None, str]:
-    """Return the characteristic length of a sweep, one for all configurations, and how it was found.
-
-    "auto": `task.characteristic_length`, sums of squares over 4,096 low-discrepancy configurations inside limits, and
-    so the same whichever configurations are swept.
-
-    Raises:
-        UsageError: it cannot be.
-    """
-    if wanted == "none":
-        return None, "none: metres and radians as they are"
-    if wanted == "auto":
-        matrices = chain.chain.jacobian(halton_source(chain, _FOR_LENGTH).rows(0, _FOR_LENGTH))
-        columns = np.concatenate(list(np.moveaxis(matrices, -1, 0)), axis=0)  # (n m, 6)
-        turning = np.repeat(chain.turning, len(matrices))
-        length = float(characteristic_length(columns.T, list(turning), task))
-        if length <= _NO_LENGTH * chain.model.robot.reach:
-            raise UsageError(
-                "there is no characteristic length: no joint turns, or every axis passes through the point, or no row "
-                "that counts is moved by a turn",
-                remedy="give --length in m, or --length none",
-            )
-        shown = " ".join(task.row_names) if task.mixed and task.name == "task" else "all rows"
-        return length, f"auto: equal weight of linear and angular parts over configurations inside limits ({shown})"
-    try:
-        given = float(wanted)
-    except (TypeError, ValueError):
-        given = math.nan
-    if not _SHORTEST <= given <= _LONGEST:
-        raise UsageError(
-            f"--length is auto, none, or between {_SHORTEST:g} and {_LONGEST:g} m, not {quote(str(wanted))}",
-            remedy="for instance 0.5",
-        )
-    return given, "given"
 
 
 def _scaled(kernel: Kernel, chain: Coordinates, task: Task, length: float | None) -> Kernel:
@@ -214,16 +194,52 @@ def _rest_of(chain: Coordinates, wanted: Sequence[Asked], configurations: Array,
     return rest
 
 
-def _thresholds(wanted: Sequence[Asked], below: Mapping[str, float] | None) -> tuple[tuple[float, ...], ...]:
-    """Return the thresholds of each column that has a distribution."""
+def _with_thresholds(wanted: tuple[Asked, ...], columns: Sequence[str], described: Subject) -> tuple[Asked, ...]:
+    """Return the measures with those that only a threshold names."""
+    named = dict.fromkeys(column.partition(".")[0] for column in columns)
+    return (*wanted, *(asked([name], described)[0] for name in named if name not in [one.name for one in wanted]))
+
+
+def _thresholds(
+    wanted: Sequence[Asked], given: Mapping[str, float] | None, least: Mapping[str, float] = MappingProxyType({})
+) -> tuple[tuple[float, ...], ...]:
+    """Return the thresholds of each column that has a distribution: that given, and that of each measure in `least`."""
     columns = [column for one in wanted if one.measure.summary for column in one.columns]
-    given = dict(below or {})
-    for name, threshold in given.items():
+    chosen = dict(given or {})
+    for name, threshold in chosen.items():
         if name not in {column.name for column in columns}:
             raise unknown_name("measured column", name, [column.name for column in columns])
         if not math.isfinite(threshold):
             raise UsageError(f"a threshold is a finite number, not {threshold}")
-    return tuple((float(given[column.name]),) if column.name in given else () for column in columns)
+    both = [[one[key] for one, key in ((chosen, c.name), (least, c.measure)) if key in one] for c in columns]
+    return tuple(tuple(sorted(set(map(float, each)))) for each in both)
+
+
+def _about_outside(chain: Coordinates, source: Source) -> list[str]:
+    """Return which joints leave their limits in configurations that somebody chose, and in how many."""
+    if isinstance(source, GridSource):
+        inside = [
+            np.count_nonzero(chain.between(_in_column(source.values(j), j, len(chain.names)))[:, j])
+            for j in range(len(chain.names))
+        ]
+        outside = source.count - math.prod(map(int, inside))
+        named = [name for name, size, count in zip(chain.names, source.sizes, inside, strict=True) if count < size]
+    elif isinstance(source, ListSource):
+        between = chain.between(source.values.T)
+        outside = int(np.count_nonzero(~np.all(between, axis=1)))
+        named = [name for name, always in zip(chain.names, np.all(between, axis=0), strict=True) if not always]
+    else:
+        return []
+    more = f" and {len(named) - 3} more" if len(named) > 3 else ""
+    joints = f"{', '.join(map(quote, named[:3]))}{more}"
+    return [f"{outside:,} of {source.count:,} configurations are outside limits: of {joints}"] if named else []
+
+
+def _in_column(values: Array, column: int, width: int) -> Array:
+    """Return rows that have values in one column, zeros in the others. (m,) -> (m, width)."""
+    rows = np.zeros((len(values), width))
+    rows[:, column] = values
+    return rows
 
 
 def _about_limits(chain: Coordinates, source: Source) -> list[str]:

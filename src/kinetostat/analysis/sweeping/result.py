@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from kinetostat.analysis.crosscheck import Certificate
+from kinetostat.analysis.loads import Payload
 from kinetostat.analysis.sweeping.accumulators import ACCURACY, Histogram, Tally
 from kinetostat.analysis.sweeping.chunks import Chunks
 from kinetostat.analysis.sweeping.measures import Column
+from kinetostat.analysis.sweeping.samples import Source
 from kinetostat.analysis.task import Task
 from kinetostat.conventions import Array, Reference, Velocity
 from kinetostat.errors import quote
+from kinetostat.urdf.description import Robot
 
-__all__ = ["NEAR_SINGULAR", "QUANTILES", "Below", "Distribution", "Extreme", "Sweep"]
+__all__ = ["QUANTILES", "Beyond", "Distribution", "Extreme", "Sweep"]
 
-NEAR_SINGULAR = 1e-3  # inverse condition number: three digits of a joint rate, or of a force, are lost
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
@@ -91,8 +94,8 @@ class Distribution:
 
 
 @dataclass(frozen=True)
-class Below:
-    """How many configurations have a measure below a threshold, and which share of those that are done."""
+class Beyond:
+    """How many configurations have a measure below (or above) a threshold, and which share of those that are done."""
 
     column: Column
     threshold: float
@@ -105,11 +108,11 @@ class Sweep:
     """Measures of many configurations of a frame.
 
     Attributes:
+        robot: whose configurations they are.
         velocity: of which frame and point, relative to which observer, expressed in which axes.
         reference: the shorthand that it was asked by.
         task: the rows that count.
-        source_kind: random, low-discrepancy, grid or list.
-        source_label: the same in a phrase.
+        source: where the configurations come from.
         seed: of random configurations.
         requested: how many configurations were asked for.
         count: how many were done.
@@ -120,9 +123,13 @@ class Sweep:
         length: the characteristic length L in m, or None if metres and radians are mixed as they are.
         length_reference: how L was found.
         measures: each column's distribution, by the column's name.
-        near_singular_share: share of configurations with an inverse condition number below `near_singular_below`; None
-            where no measure needs singular values.
+        near: a configuration is near-singular with a smaller inverse condition number.
+        near_singular_share: share of such configurations; None where no measure needs singular values.
         below: shares below the thresholds that were given.
+        above: shares above those that were given; and of effort use above 1, which is beyond a limit.
+        gravity: in m/s2 in the root's axes, (3,); None where no measure depends on it.
+        payload: what weighs with the links.
+        limits: effort limits that were given instead of the file's.
         certificate: what the two engines say of the rows that both computed: of the output nearest to its tolerance.
         certificates: the same for each of the kernel's outputs.
         certified_rows: how many rows that were.
@@ -133,11 +140,11 @@ class Sweep:
         warnings: what is to be said of it.
     """
 
+    robot: Robot
     velocity: Velocity
     reference: Reference
     task: Task
-    source_kind: str
-    source_label: str
+    source: Source
     seed: int
     requested: int
     count: int
@@ -148,8 +155,13 @@ class Sweep:
     length: float | None
     length_reference: str
     measures: dict[str, Distribution]
+    near: float
     near_singular_share: float | None
-    below: tuple[Below, ...]
+    below: tuple[Beyond, ...]
+    above: tuple[Beyond, ...]
+    gravity: Array | None
+    payload: Payload | None
+    limits: Mapping[str, float | tuple[float, float]]
     certificate: Certificate
     certificates: dict[str, Certificate]
     certified_rows: int
@@ -158,7 +170,6 @@ class Sweep:
     rate: float
     continued: int
     warnings: tuple[str, ...] = ()
-    near_singular_below: float = NEAR_SINGULAR
 
     def __repr__(self) -> str:
         state = "" if self.complete else f" of {self.requested}"

@@ -79,8 +79,8 @@ def run(
         sink: given each chunk and what it gave, in the order of chunks, for what is too large to be added up.
 
     Raises:
-        UsageError: no worker; a checkpoint of another question, damaged, in use, or along with a sink; a chunk that was
-            lost with its worker again and again.
+        UsageError: no worker; a checkpoint of another question, damaged, in use, without a name, or along with a sink;
+            a chunk that was lost with its worker again and again; a Dask scheduler that is gone.
         Exception: what a chunk raises; the checkpoint has what was done until then.
     """
     if workers < 1:
@@ -89,6 +89,8 @@ def run(
         raise UsageError(
             "a checkpoint keeps what is added up, not rows", remedy="ask for the summary, or do without a checkpoint"
         )
+    if checkpoint == "":
+        raise UsageError("the checkpoint's folder has no name", remedy="for this folder give .")
     if checkpoint is None:
         return _Run(work, None, progress, sink).outcome(workers, executor)
     with open_checkpoint(Path(checkpoint)) as folder:
@@ -130,7 +132,7 @@ class _Run(Generic[P]):
     def outcome(self, workers: int, executor: Executor | None) -> Outcome[P]:
         before, stop = self.sum.rows, Stop()
         if len(self.sum.done) < self.work.chunks:
-            crew = Workers(self.work, workers=workers, executor=executor)
+            crew = Workers(self.work, workers=workers, executor=executor, tell=self._tell_of)
             with stop_on_interrupt(stop, crew.wake), self._kept_at_the_end():
                 self._add_up(crew, stop)
             self.warnings += crew.warnings
@@ -172,6 +174,10 @@ class _Run(Generic[P]):
         if self.progress is not None:
             self.told = time.monotonic()
             self.progress(self.pace.words(self.sum.rows, self.told), self.sum.rows / max(self.work.rows, 1))
+
+    def _tell_of(self, waiting: str) -> None:
+        if self.progress is not None:
+            self.progress(waiting, self.sum.rows / max(self.work.rows, 1))
 
     @contextmanager
     def _kept_at_the_end(self) -> Iterator[None]:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import ClassVar, Protocol
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Protocol, Self
 
 import numpy as np
 
@@ -64,8 +64,17 @@ class Source(Protocol):
         ...
 
     @property
+    def moved(self) -> tuple[str, ...]:
+        """Names of the coordinates that it says; the others of a grid are held."""
+        ...
+
+    @property
     def bounds(self) -> Array:
         """Lower and upper ends of each coordinate, which no row is outside. (2, n)."""
+        ...
+
+    def part(self, start: int, stop: int) -> Source:
+        """Return a source of the same rows that is light, and has rows start .. stop - 1 at least."""
         ...
 
     def rows(self, start: int, stop: int) -> Array:
@@ -88,6 +97,15 @@ class _Between:
     count: int
     bounds: Array = field(compare=False)
     seed: int = 0
+
+    @property
+    def moved(self) -> tuple[str, ...]:
+        """Names of the coordinates that it says: all."""
+        return self.names
+
+    def part(self, _start: int, _stop: int) -> Self:
+        """Return itself, which is light."""
+        return self
 
     def _stretched(self, unit: Array) -> Array:
         """Return rows from numbers in [0, 1], which are overwritten. (n, m) -> (m, n)."""
@@ -170,11 +188,13 @@ class GridSource:
         names: names of the coordinates.
         bounds: first and last value of each coordinate. (2, n).
         sizes: how many values each has.
+        moved: names of the coordinates that the grid names; the others are held.
     """
 
     names: tuple[str, ...]
     bounds: Array = field(compare=False)
     sizes: tuple[int, ...]
+    moved: tuple[str, ...]
     kind: ClassVar[str] = "grid"
 
     @property
@@ -188,6 +208,20 @@ class GridSource:
         several = [f"{size} of {name}" for name, size in zip(self.names, self.sizes, strict=True) if size > 1]
         return f"grid: {' x '.join(several) or 'one configuration'}"
 
+    @property
+    def axes(self) -> dict[str, Array]:
+        """The values of each coordinate that the grid names; the last one changes fastest. (size,)."""
+        return {name: self.values(j) for j, name in enumerate(self.names) if name in self.moved}
+
+    def part(self, _start: int, _stop: int) -> GridSource:
+        """Return itself, which is light."""
+        return self
+
+    def values(self, j: int) -> Array:
+        """Return the values of coordinate j. (size,)."""
+        values: Array = np.linspace(self.bounds[0, j], self.bounds[1, j], self.sizes[j])
+        return values
+
     def rows(self, start: int, stop: int) -> Array:
         """Return rows start .. stop - 1: (m, n), the transpose of a C array."""
         found, numbers = np.empty((len(self.names), stop - start)), np.arange(start, stop)
@@ -196,7 +230,7 @@ class GridSource:
                 found[j] = self.bounds[0, j]
             else:
                 numbers, place = np.divmod(numbers, self.sizes[j])
-                found[j] = np.linspace(self.bounds[0, j], self.bounds[1, j], self.sizes[j])[place]
+                found[j] = self.values(j)[place]
         return found.T
 
 
@@ -206,17 +240,25 @@ class ListSource:
 
     Attributes:
         names: names of the coordinates.
-        values: a row for each coordinate. (n, m).
+        values: a row for each coordinate: of all rows, or of those from `first` on that this part has. (n, m).
+        count: how many rows there are.
+        first: which row is the first in `values`.
     """
 
     names: tuple[str, ...]
     values: Array = field(compare=False)
+    count: int
+    first: int = 0
     kind: ClassVar[str] = "list"
 
     @property
-    def count(self) -> int:
-        """How many rows there are."""
-        return int(self.values.shape[1])
+    def moved(self) -> tuple[str, ...]:
+        """Names of the coordinates that it says: all."""
+        return self.names
+
+    def part(self, start: int, stop: int) -> ListSource:
+        """Return a source of the same rows that has rows start .. stop - 1 alone."""
+        return replace(self, values=self.rows(start, stop).T, first=start)
 
     @property
     def bounds(self) -> Array:
@@ -230,7 +272,7 @@ class ListSource:
 
     def rows(self, start: int, stop: int) -> Array:
         """Return rows start .. stop - 1: (m, n), the transpose of a C array."""
-        found: Array = np.ascontiguousarray(self.values[:, start:stop]).T
+        found: Array = np.ascontiguousarray(self.values[:, start - self.first : stop - self.first]).T
         return found
 
 
@@ -282,7 +324,8 @@ def grid_source(
             remedy="fewer values, or --samples",
         )
     checked(coordinates.model.robot, coordinates.configuration(bounds, rest))
-    return GridSource(coordinates.names, bounds, tuple(sizes))
+    moved = tuple(name for name in coordinates.names if name in axes)
+    return GridSource(coordinates.names, bounds, tuple(sizes), moved)
 
 
 def list_source(coordinates: Coordinates, q: Array) -> ListSource:
@@ -301,7 +344,7 @@ def list_source(coordinates: Coordinates, q: Array) -> ListSource:
         q = checked(robot, q)[:, list(coordinates.indices)]
     else:
         checked(robot, coordinates.configuration(q, np.ones(robot.nq)))  # a one is a position of any other joint
-    return ListSource(coordinates.names, np.ascontiguousarray(q.T))
+    return ListSource(coordinates.names, np.ascontiguousarray(q.T), len(q))
 
 
 def _count(count: int) -> int:

@@ -7,9 +7,10 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Literal
 
+from kinetostat.analysis.indices import NEAR
 from kinetostat.analysis.loads import Payload
 from kinetostat.analysis.sweeping.question import DEFAULT, sweep_work
-from kinetostat.analysis.sweeping.result import NEAR_SINGULAR, QUANTILES, Below, Distribution, Extreme, Sweep
+from kinetostat.analysis.sweeping.result import QUANTILES, Beyond, Distribution, Extreme, Sweep
 from kinetostat.analysis.sweeping.running import run
 from kinetostat.analysis.sweeping.sweep_work import RowBlock, SweepPartial, SweepWork
 from kinetostat.conventions import Array, Reference
@@ -17,9 +18,8 @@ from kinetostat.engines.model import Model
 
 __all__ = [
     "DEFAULT",
-    "NEAR_SINGULAR",
     "QUANTILES",
-    "Below",
+    "Beyond",
     "Distribution",
     "Extreme",
     "RowBlock",
@@ -46,11 +46,13 @@ def sweep(
     point: Sequence[float] | None = None,
     reference: Reference | str = Reference.ALIGNED,
     axes: str | Sequence[str] | None = None,
-    length: float | Literal["auto", "none"] = "none",
+    length: float | Literal["auto", "none"] = "auto",
     gravity: Sequence[float] | Array | bool = True,
     payload: Payload | None = None,
     limits: Mapping[str, float | tuple[float, float]] | None = None,
     below: Mapping[str, float] | None = None,
+    above: Mapping[str, float] | None = None,
+    near: float = NEAR,
     degrees: bool = False,
     workers: int = 1,
     executor: Executor | None = None,
@@ -72,26 +74,34 @@ def sweep(
         samples: so many random configurations, uniform inside limits. An angle without limits makes a whole turn, a
             slide without limits 1 m to either side.
         low_discrepancy: so many configurations that fill the limits evenly.
-        grid: `j=lo:hi:n,k=...` or {name: (lo, hi, n)}.
+        grid: `j=lo:hi:n,k=...` or {name: (lo, hi, n)}; other joints stay at q.
         configurations: these, (m, nq).
         seed: the same seed gives the same configurations.
-        measures: names of `measures.MEASURES`.
+        measures: any of yoshikawa, minimum_singular_value, inverse_condition_number (smallest over largest), isotropy,
+            singular_values, position (of the tool point, m), yoshikawa_gradient, minimum_gradient (along each
+            coordinate), gravity_torque (Nm or N), effort_use (gravity torque over effort limit: 1 is all), and
+            limit_distance (1 in the middle of the range of the joint nearest to a limit, 0 at its end); with a sink
+            also pose and jacobian.
         relative_to: A, the observer's link; default the root link.
         point: the point in F's coordinates, in m; default F's origin.
         reference: aligned (rows in the observer's axes) or local (in F's).
         axes: the rows that count, such as "x y rz"; default all six. See `Task.named`.
-        length: the characteristic length: in m, "auto" (over the configurations inside limits, see `sweep_length`), or
-            "none".
+        length: what makes metres and radians comparable where they meet: a length in m, "auto" (over the configurations
+            inside limits, see `typical_length`), or "none": mix them.
         gravity: True (9.81 m/s2 down the root's z) or a vector (3,) in the root's axes.
         payload: a mass that weighs with the links.
         limits: effort limits of joints instead of the file's.
-        below: thresholds by the name of a measure or of a column: which share is below.
+        below: thresholds by the name of a measure or of a column (`position.x`): which share is below. A measure that
+            only a threshold names is measured, too.
+        above: the same: which share is above. An effort use above 1 is counted always.
+        near: a configuration is near-singular with an inverse condition number (of length-scaled rows) below it.
         degrees: ends of a grid's angles are in degrees.
         workers: threads.
         executor: who computes instead; see `running.run`.
         checkpoint: a folder that keeps what is done.
         progress: told what is being done, and which share of it is.
-        sink: given the rows, in order.
+        sink: given the rows, in order, as `RowBlock`s: .start is the number of the first, from 0, .q is (m, n), .values
+            (m, c) with the columns of measures in the order asked for, each as long as `RowBlock` says.
 
     Raises:
         UnknownNameError: no such frame, joint or measure.
@@ -118,6 +128,8 @@ def sweep(
         payload=payload,
         limits=limits,
         below=below,
+        above=above,
+        near=near,
         degrees=degrees,
         rows=sink is not None,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 
@@ -11,27 +12,38 @@ import numpy as np
 from kinetostat.analysis.coordinates import Coordinates
 from kinetostat.analysis.crosscheck import Certificate, combined
 from kinetostat.analysis.indices import inverse_condition_number
+from kinetostat.analysis.loads import Payload
 from kinetostat.analysis.sweeping.accumulators import Integers, Peak, State, Tally
 from kinetostat.analysis.sweeping.certifying import RowWitness
 from kinetostat.analysis.sweeping.digest import digest
 from kinetostat.analysis.sweeping.measures import Asked, Column
-from kinetostat.analysis.sweeping.result import NEAR_SINGULAR, Below, Distribution, Extreme, Sweep
+from kinetostat.analysis.sweeping.result import Beyond, Distribution, Extreme, Sweep
 from kinetostat.analysis.sweeping.running import Outcome
 from kinetostat.analysis.sweeping.samples import BLOCK, Source
 from kinetostat.analysis.task import Task
-from kinetostat.conventions import Array, Reference
+from kinetostat.conventions import Array, Reference, Velocity
 from kinetostat.screw.kernel import Kernel
+from kinetostat.urdf.description import Robot
 
 __all__ = ["RowBlock", "SweepPartial", "SweepWork"]
 
 _CHECKED = 4  # rows of each chunk that Pinocchio computes again
 _CHECKING_SEED = 0x5EED
-_VERSION = 1  # of what a partial result means: a checkpoint of another is refused
+_VERSION = 2  # of what a partial result means: a checkpoint of another is refused
 
 
 @dataclass(frozen=True, repr=False)
 class RowBlock:
-    """Some rows of a sweep: the number of the first, coordinates (m, n), and the measures' columns (m, c)."""
+    """Some rows of a sweep.
+
+    Attributes:
+        start: the number of the first, from 0.
+        q: the chain's coordinates, in rad and m, as `Sweep.names` has them. (m, n).
+        values: the measures' columns, (m, c): those of the first measure, then those of the next, in the order in which
+            measures were asked for. One column each but for: singular_values s1 .. sk; position x y z; pose x y z qx qy
+            qz qw; jacobian row by row, each with a column a coordinate (6 n); gradients and gravity_torque a column a
+            coordinate (n); effort_use the largest, then a column a coordinate (1 + n). `SweepWork.columns` names them.
+    """
 
     start: int
     q: Array
@@ -45,7 +57,7 @@ class SweepPartial:
     Attributes:
         rows: how many configurations they have.
         tallies: of each column that has a distribution.
-        near_singular: how many have an inverse condition number below `NEAR_SINGULAR`.
+        near_singular: how many have an inverse condition number below the threshold.
         checked: how many Pinocchio computed again.
         differences: of each output that was compared, the largest difference and its row.
         table: the rows, of one chunk alone, if they are asked for.
@@ -97,7 +109,11 @@ class SweepWork:
         task: the rows that count.
         length: the characteristic length in m, or None.
         length_reference: how it was found.
-        below: the thresholds of each column that has a distribution.
+        below: the thresholds of each column that has a distribution, which numbers are to be below of.
+        above: the same, above.
+        near: a configuration is near-singular with a smaller inverse condition number.
+        payload: what weighs with the links.
+        limits: effort limits that were given instead of the file's.
         seed: of random configurations.
         with_rows: whether each chunk brings its table.
         warnings: what is to be said of the question.
@@ -111,6 +127,10 @@ class SweepWork:
     length: float | None
     length_reference: str
     below: tuple[tuple[float, ...], ...]
+    above: tuple[tuple[float, ...], ...]
+    near: float
+    payload: Payload | None
+    limits: Mapping[str, float | tuple[float, float]]
     seed: int
     with_rows: bool = False
     warnings: tuple[str, ...] = ()
@@ -127,6 +147,36 @@ class SweepWork:
     def kernel(self) -> Kernel:
         """What computes the rows."""
         return self.witness.kernel
+
+    @property
+    def robot(self) -> Robot:
+        """Whose configurations they are."""
+        return self.coordinates.model.robot
+
+    @property
+    def velocity(self) -> Velocity:
+        """Of which frame and point, relative to which observer, expressed in which axes."""
+        return self.witness.velocity
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the chain's coordinates."""
+        return self.coordinates.names
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Unit of each, rad or m."""
+        return tuple("rad" if turns else "m" for turns in self.coordinates.turning)
+
+    @property
+    def rest(self) -> Array:
+        """Where all other joints are, (nq,)."""
+        return self.witness.rest
+
+    @property
+    def gravity(self) -> Array | None:
+        """Gravity in m/s2 in the root's axes, (3,); None where no measure depends on it."""
+        return self.kernel.gravity if {"gravity_torque", "effort_use"} & set(self.kernel.outputs) else None
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -154,17 +204,38 @@ class SweepWork:
         parts = (self.asked, self.kernel, self.witness.rest, self.witness.velocity, self.witness.tolerances)
         text = self.coordinates.model.loaded.text
         return digest(
-            _VERSION, BLOCK, text, self.source, *parts, self.below, _CHECKED, self.coordinates.model.crosscheck
+            _VERSION,
+            BLOCK,
+            text,
+            self.source,
+            *parts,
+            self.below,
+            self.above,
+            self.near,
+            _CHECKED,
+            self.coordinates.model.crosscheck,
         )
 
     def size(self, chunk: int) -> int:
         """Return how many configurations a chunk has."""
         return min(BLOCK, self.rows - chunk * BLOCK)
 
+    def part(self, chunks: tuple[int, ...]) -> Source:
+        """Return the configurations of some chunks, perhaps with others: all of the work that may be heavy."""
+        start, stop = (min(chunks), max(chunks) + 1) if chunks else (0, 0)
+        return self.source.part(start * BLOCK, min(stop * BLOCK, self.rows))
+
+    def with_part(self, part: Source) -> SweepWork:
+        """Return the work with a part of its configurations; it computes the chunks that the part is of."""
+        return replace(self, source=part)
+
     def empty(self) -> SweepPartial:
         """Return what is known of no chunk."""
         return SweepPartial(
-            tallies=tuple(Tally(below=(0,) * len(levels)) for levels in self.below),
+            tallies=tuple(
+                Tally(below=(0,) * len(below), above=(0,) * len(above))
+                for below, above in zip(self.below, self.above, strict=True)
+            ),
             differences=(None,) * len(self.witness.tolerances),
         )
 
@@ -188,17 +259,29 @@ class SweepWork:
         summed = [row for one, part in zip(self.asked, values, strict=True) if one.measure.summary for row in part]
         near = 0
         if "singular_values" in outputs:
-            near = int(np.count_nonzero(inverse_condition_number(outputs["singular_values"]) < NEAR_SINGULAR))
+            near = int(np.count_nonzero(inverse_condition_number(outputs["singular_values"]) < self.near))
         rows = self._sample(chunk)
         table = RowBlock(start, q, np.concatenate(values).T) if self.with_rows else None
         return SweepPartial(
             len(q),
-            tuple(Tally.of(row, start, levels) for row, levels in zip(summed, self.below, strict=True)),
+            tuple(
+                Tally.of(row, start, below, above)
+                for row, below, above in zip(summed, self.below, self.above, strict=True)
+            ),
             near,
             len(rows),
             self._differences(q, outputs, rows, start),
             table,
         )
+
+    def summed_values(self) -> Array:
+        """Return the columns that have a distribution, of all configurations at once: (c, rows)."""
+        chunks = (self.source.rows(i * BLOCK, i * BLOCK + self.size(i)) for i in range(self.chunks))
+        return np.concatenate([np.concatenate(self._measured(self.kernel(q))) for q in chunks], axis=1)
+
+    def _measured(self, outputs: dict[str, Array]) -> list[Array]:
+        """Return the columns of each measure that has a distribution."""
+        return [one.values(outputs) for one in self.asked if one.measure.summary]
 
     def _sample(self, chunk: int) -> Integers:
         """Return which rows of a chunk are computed again, ascending."""
@@ -218,37 +301,39 @@ class SweepWork:
 
     def result(self, outcome: Outcome[SweepPartial]) -> Sweep:
         """Return the answer of a run, complete or not. The extremes are computed again by Pinocchio, too."""
-        partial, chain, rest = outcome.partial, self.coordinates, self.witness.rest
+        partial = outcome.partial
         measures = {}
         for column, tally in zip(self.summed, partial.tallies, strict=True):
             low, high = (None if peak is None else self._extreme(peak) for peak in (tally.minimum, tally.maximum))
             measures[column.name] = Distribution(column, tally, low, high)
         partial = self._with_extremes(partial)
         certificates = self._certificates(partial)
-        level = [
-            Below(column, threshold, count, count / partial.rows if partial.rows else math.nan)
-            for column, tally, levels in zip(self.summed, partial.tallies, self.below, strict=True)
-            for threshold, count in zip(levels, tally.below, strict=True)
-        ]
+        below = [tally.below for tally in partial.tallies]
+        above = [tally.above for tally in partial.tallies]
         known = "singular_values" in self.kernel.outputs and partial.rows > 0
         return Sweep(
-            self.witness.velocity,
+            self.robot,
+            self.velocity,
             self.reference,
             self.task,
-            self.source.kind,
-            self.source.label,
+            self.source,
             self.seed,
             self.rows,
             partial.rows,
             outcome.complete,
-            chain.names,
-            tuple("rad" if turns else "m" for turns in chain.turning),
-            rest,
+            self.names,
+            self.units,
+            self.rest,
             self.length,
             self.length_reference,
             measures,
+            self.near,
             partial.near_singular / partial.rows if known else None,
-            tuple(level),
+            self._beyond(self.below, below, partial.rows),
+            self._beyond(self.above, above, partial.rows),
+            self.gravity,
+            self.payload,
+            self.limits,
             combined(list(certificates.values())),
             certificates,
             partial.checked,
@@ -257,6 +342,16 @@ class SweepWork:
             outcome.rate,
             outcome.continued,
             (*self.warnings, *outcome.warnings),
+        )
+
+    def _beyond(
+        self, thresholds: tuple[tuple[float, ...], ...], counts: list[tuple[int, ...]], rows: int
+    ) -> tuple[Beyond, ...]:
+        """Return how many of so many rows are beyond the thresholds of each column."""
+        return tuple(
+            Beyond(column, threshold, count, count / rows if rows else math.nan)
+            for column, levels, found in zip(self.summed, thresholds, counts, strict=True)
+            for threshold, count in zip(levels, found, strict=True)
         )
 
     def _extreme(self, peak: Peak) -> Extreme:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, Self, TypeVar, runtime_checkable
 
 from numpy.typing import NDArray
 
-__all__ = ["Partial", "State", "Work"]
+__all__ = ["Divisible", "Partial", "State", "Work"]
 
 State = dict[str, NDArray[Any]]
 
@@ -62,4 +62,17 @@ class Work(Protocol[P_co]):
 
     def restore(self, state: State) -> P_co:
         """Return the partial result whose `state()` this is, to the bit."""
+        ...
+
+
+@runtime_checkable
+class Divisible(Protocol):
+    """A work that may be heavy: to another process it goes without what its chunks need, which goes with each task."""
+
+    def part(self, chunks: tuple[int, ...]) -> Any:
+        """Return what some chunks need; of no chunk, what is light."""
+        ...
+
+    def with_part(self, part: Any) -> Self:
+        """Return the work with such a part instead of the whole: it computes those chunks alone."""
         ...

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kinetostat.analysis.indices import powered
+from kinetostat.analysis.trajectory.near import NOISE
+from kinetostat.analysis.trajectory.spans import first_largest
 from kinetostat.analysis.trajectory.trajectory import Trajectory
-from kinetostat.conventions import Array
+from kinetostat.conventions import Array, Flags
 
 __all__ = ["Extreme", "extremes"]
 
@@ -21,8 +23,8 @@ class Extreme:
         measure: its name.
         largest: whether it is the largest.
         value: in `unit`; shares of a limit are 1 where all of it is used.
-        unit: empty for a pure number.
-        sample: where, from 0.
+        unit: 1 for a pure number.
+        sample: where first, from 0.
         joint: which joint's it is, where it is a joint's.
     """
 
@@ -38,10 +40,11 @@ def extremes(result: Trajectory) -> tuple[Extreme, ...]:
     """Return the worst value of each measure that a trajectory has: the smallest index, the largest speed and use."""
     arm, names = result.mechanism, result.columns
     unit, product = result.unit, powered(result.unit, arm.generic_rank)
+    regular = result.inverse_condition_number > NOISE
     found = [
-        _least("yoshikawa", result.yoshikawa, "" if product == "1" else product),
-        _least("minimum_singular_value", result.minimum_singular_value, "" if unit == "1" else unit),
-        _least("inverse_condition_number", result.inverse_condition_number, ""),
+        _least("yoshikawa", result.yoshikawa, product, regular),
+        _least("minimum_singular_value", result.minimum_singular_value, unit, regular),
+        _least("inverse_condition_number", result.inverse_condition_number, "1", regular),
         *_nearest_limit(result),
     ]
     if result.tool_speed is not None and result.turning_speed is not None:
@@ -57,20 +60,21 @@ def extremes(result: Trajectory) -> tuple[Extreme, ...]:
 def _nearest_limit(result: Trajectory) -> list[Extreme]:
     """Return where a joint is nearest to a position limit, and which; nothing where no joint has two ends."""
     lower, upper = result.joints.stated_limits
-    least = _least("limit_distance", result.at.limit_distance, "")
+    least = _least("limit_distance", result.at.limit_distance, "1")
     q, half = result.q[least.sample], (upper - lower) / 2
     with np.errstate(divide="ignore", invalid="ignore"):
         each = np.where(np.isfinite(half), np.minimum(q - lower, upper - q) / half, np.nan)
     return [] if np.all(np.isnan(each)) else [replace(least, joint=result.columns[int(np.nanargmin(each))])]
 
 
-def _least(measure: str, values: Array, unit: str) -> Extreme:
-    at = int(np.argmin(values))
+def _least(measure: str, values: Array, unit: str, regular: Flags | None = None) -> Extreme:
+    """Return the smallest value; what is not `regular` is rounding that stands for zero. (m,)."""
+    at = first_largest(-values if regular is None else -np.where(regular, values, 0.0))
     return Extreme(measure, False, float(values[at]), unit, at)
 
 
 def _most(measure: str, values: Array, unit: str) -> Extreme:
-    at = int(np.argmax(values))
+    at = first_largest(values)
     return Extreme(measure, True, float(values[at]), unit, at)
 
 
@@ -78,5 +82,5 @@ def _of_joint(measure: str, shares: Array, names: tuple[str, ...], after: int = 
     """Return the largest share of a limit, (m, n), NaN for none; nothing where no joint has a limit."""
     if not shares.size or np.all(np.isnan(shares)):
         return []
-    at, joint = np.unravel_index(int(np.nanargmax(shares)), shares.shape)
-    return [Extreme(measure, True, float(shares[at, joint]), "", int(at) + after, names[joint])]
+    at, joint = np.unravel_index(first_largest(shares.ravel()), shares.shape)
+    return [Extreme(measure, True, float(shares[at, joint]), "1", int(at) + after, names[joint])]

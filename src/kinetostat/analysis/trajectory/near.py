@@ -11,13 +11,14 @@ import numpy as np
 from kinetostat.analysis.indices import inverse_condition_number
 from kinetostat.analysis.singular.at import SingularAt, singular_at
 from kinetostat.analysis.singular.mechanism import Mechanism
-from kinetostat.analysis.trajectory.spans import runs
+from kinetostat.analysis.trajectory.spans import first_largest, runs
 from kinetostat.conventions import Array, Flags
 from kinetostat.screw.kernel import Kernel
 
-__all__ = ["MOST_CAUSES", "NearSpan", "near_spans"]
+__all__ = ["MOST_CAUSES", "NOISE", "NearSpan", "near_spans"]
 
 MOST_CAUSES = 20  # spans whose causes are sought: each takes a fifth of a second
+NOISE = 1e-12  # s_r / s_1 that rounding leaves of zero
 _ZERO = 1e-14  # a singular value that is rounding
 
 
@@ -28,16 +29,16 @@ class NearSpan:
     Attributes:
         first: its first sample, from 0.
         last: its last sample.
-        worst: the sample where s_r / s_1 is smallest.
+        worst: the first sample where s_r / s_1 is smallest.
         inverse_condition_number: s_r / s_1 there.
         minimum_singular_value: s_r there.
         cause: what is to be said of the nearest singular configuration; None if none was found, or where there are so
             many spans that this one's cause was not sought.
         distance: to it, in rad (slides in units of the arm's length); None as `cause`.
         sought: whether the cause was sought.
-        speed: how fast the tool is to move in the direction that is hardest there: as fast as it does at its fastest in
-            the span, or 1 where there is no time or motion; in the unit of `Trajectory.speed_unit`.
-        needed: the joint rates that this takes, v_r speed / s_r; infinite at a singular configuration. (c,).
+        speed: the tool's largest speed in the span, in the unit of `Trajectory.speed_unit`; None without time.
+        needed: the joint rates that keep this speed at `worst` in the direction that is hardest there, v_r speed / s_r;
+            infinite at a singular configuration. (c,). None without time.
     """
 
     first: int
@@ -48,8 +49,8 @@ class NearSpan:
     cause: SingularAt | None
     distance: float | None
     sought: bool
-    speed: float
-    needed: Array
+    speed: float | None
+    needed: Array | None
 
 
 def near_spans(
@@ -78,15 +79,15 @@ def near_spans(
     """
     rank = arm.generic_rank
     smallest = inverse_condition_number(singular_values[:, :rank])
-    found = [(first, last, first + int(np.argmin(smallest[first : last + 1]))) for first, last in runs(below)]
+    depth = -np.where(smallest > NOISE, smallest, 0.0)
+    found = [(first, last, first + first_largest(depth[first : last + 1])) for first, last in runs(below)]
     deepest = sorted(range(len(found)), key=lambda i: float(smallest[found[i][2]]))[:MOST_CAUSES]
     spans = list[NearSpan]()
     for i, (first, last, worst) in enumerate(found):
         cause, distance = _cause(arm, whole[worst], asked) if i in deepest else (None, None)
         if progress is not None and i in deepest:
             progress(i)
-        fastest = 0.0 if speeds is None else float(np.max(speeds[first : last + 1]))
-        speed = fastest if fastest > 0 else 1.0
+        speed = None if speeds is None else float(np.max(speeds[first : last + 1]))
         spans.append(
             NearSpan(
                 first,
@@ -98,7 +99,7 @@ def near_spans(
                 distance,
                 i in deepest,
                 speed,
-                _needed(tool, q[worst], rank, speed),
+                None if speed is None else _needed(tool, q[worst], rank, speed),
             )
         )
     return tuple(spans)
@@ -121,6 +122,8 @@ def _needed(tool: Kernel, q: Array, rank: int, speed: float) -> Array:
     With M = diag(a) J diag(b) = U diag(s) V^T: qdot = diag(b) v_r |a V| / s_r. Lengths that are divided by L stay so:
     a speed in m/s is one in L/s times L.
     """
+    if speed == 0:
+        return np.zeros(tool.chain.fold.shape[1])
     length = 1.0 if tool.row_factors is None else 1 / float(tool.row_factors[0])
     matrix = tool.weighed(tool.chain.jacobian(q, local=tool.local))
     _, values, right = np.linalg.svd(matrix)

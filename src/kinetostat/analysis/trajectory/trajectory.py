@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -12,7 +12,7 @@ import numpy as np
 from kinetostat.analysis.configuration import LARGEST_LENGTH, checked
 from kinetostat.analysis.coordinates import Coordinates, coordinates
 from kinetostat.analysis.crosscheck import Certificate
-from kinetostat.analysis.indices import inverse_condition_number, singular_value_unit
+from kinetostat.analysis.indices import NEAR, inverse_condition_number, singular_value_unit
 from kinetostat.analysis.kernels import chain_kernel
 from kinetostat.analysis.loads import Payload, checked_gravity, effort_limits
 from kinetostat.analysis.singular.at import remarks
@@ -22,16 +22,19 @@ from kinetostat.analysis.trajectory.joints import moved_joints, speed_limits, un
 from kinetostat.analysis.trajectory.near import NearSpan, near_spans
 from kinetostat.analysis.trajectory.timeline import Timeline, certificate, timeline
 from kinetostat.analysis.trajectory.violations import Violation, violations
+from kinetostat.analysis.typical_length import asked_length
 from kinetostat.conventions import Array, Flags, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.errors import ConfigurationError, UsageError, quote
-from kinetostat.screw.kernel import effort_use
+from kinetostat.screw.kernel import Kernel, effort_use
 
-__all__ = ["NEAR", "Trajectory", "trajectory"]
+__all__ = ["Trajectory", "trajectory"]
 
-NEAR = 0.01  # s_r / s_1: one direction of the tool takes a hundred times the joint motion that another takes
 _ALL = 2000  # samples that both engines compute, at most
-_SHORTEST, _LONGEST = 1e-9, 1e9  # m
+_MIXED = (
+    "m and rad are mixed: such numbers depend on the unit of length (--length auto, or a length in m, makes them "
+    "comparable)"
+)
 
 Progress = Callable[[str, float], None]
 
@@ -47,9 +50,13 @@ class Trajectory:
         time: increasing, s, (m,); None if there is none, or one sample.
         q: positions, rad and m, continuous joints going on by the shorter way. (m, n).
         unwound: the continuous joints that are written into one turn, and were continued.
-        length: the characteristic length in m that divides linear rows (and multiplies slides); None where rows and
-            columns have one unit each, or m and rad are mixed as they are.
+        length: the characteristic length L in m: linear rows count in units of it where rows mix m and rad, slides as
+            angles q / L beside turns; None where nothing is mixed, or m and rad are mixed as they are.
+        length_reference: how it was found, or why there is none.
         near: the threshold of s_r / s_1.
+        gravity: (3,), m/s2, in the root's axes.
+        payload: the mass that weighs with the links, or None.
+        limits: effort limits of joints that were given instead of the file's.
         at: tool pose, singular values, twist, torques, distance to limits, of every sample.
         speed_limits: of the joints, NaN for none. (n,), rad/s and m/s.
         effort_limits: lower and upper, NaN for none. (2, n), Nm and N.
@@ -67,7 +74,11 @@ class Trajectory:
     q: Array
     unwound: tuple[str, ...]
     length: float | None
+    length_reference: str
     near: float
+    gravity: Array
+    payload: Payload | None
+    limits: Mapping[str, float | tuple[float, float]]
     at: Timeline
     speed_limits: Array
     effort_limits: Array
@@ -148,7 +159,7 @@ class Trajectory:
         """Unit of the speed along the rows that count; turns count as arcs of radius `length` beside translations."""
         task = self.mechanism.task
         if task.mixed and self.length is None:
-            return ""
+            return "mixed"
         return "m/s" if task.linear else "rad/s"
 
     @property
@@ -181,8 +192,8 @@ def trajectory(
     by finite differences (`differences.rates`, of second order on uneven steps) and the tool's twist V = J qdot.
 
     A sample is near a singular configuration if s_r / s_1 < `near`, r being the rank at almost every configuration.
-    Its cause is that of the nearest singular configuration (`singular_at`). What the tool's speed costs there is
-    qdot = v_r |V| / s_r, the rates for the direction that is hardest.
+    Its cause is that of the nearest singular configuration (`singular_at`). With time, qdot = v_r |V| / s_r are the
+    rates that keep the tool's speed there in the direction that is hardest.
 
     Args:
         model: the robot.
@@ -194,8 +205,8 @@ def trajectory(
         reference: aligned, rows in the observer's axes; or local, in the axes of the tool's frame.
         axes: the rows that count, such as "x y rz"; default as for `singular_at`: all six, or the linear ones where
             three joints or fewer move the point.
-        length: what makes metres and radians comparable, in m, where they meet: "auto", the root mean square distance
-            of the joints' axes (`Mechanism.length`), or "none": mix them.
+        length: what makes metres and radians comparable, in m, where they meet: "auto", one length for all
+            configurations of the arm (`typical_length`), or "none": mix them.
         gravity: True (9.81 m/s2 down the root's z) or a vector (3,); zero leaves torques out.
         payload: a mass that weighs with the links.
         limits: effort limits of joints instead of the file's.
@@ -221,10 +232,11 @@ def trajectory(
     observer = arm.velocity.relative_to
     label = Velocity.by_reference(Reference(reference), arm.velocity.of, observer, point=arm.point)
     chain = coordinates(model, arm.velocity.of, observer, arm.point)
-    joints, size = moved_joints(chain, q), _length(length, arm)
+    joints, (size, found_by) = moved_joints(chain, q), asked_length(chain, arm.task, length)
+    size = size if _mixes(arm) else None
     down, n = checked_gravity(gravity), len(chain.names)
     outputs = ["placement", "singular_values", "jacobian"]
-    tool = chain_kernel(chain, outputs, q[0], task=arm.task, length=size, local=arm.local, gravity=False)
+    tool = _scaled(chain_kernel(chain, outputs, q[0], task=arm.task, local=arm.local, gravity=False), arm, size)
     weighs = ["gravity_torque"] if np.any(down) else []
     loaded = chain_kernel(
         joints, ["limit_distance", *weighs], q[0], gravity=down, payload=payload if weighs else None, limits=limits
@@ -248,6 +260,7 @@ def trajectory(
     beyond = violations(joints, positions, steps, fastest, at.torque, efforts)
     shown = _sample(len(q), [span.worst for span in spans])
     proof = certificate(model, tool, loaded, joints, label, q[shown], len(q), payload)
+    warnings = [_MIXED] if length == "none" and _mixes(arm) else []
     return Trajectory(
         arm,
         label,
@@ -256,7 +269,11 @@ def trajectory(
         positions,
         turned,
         size,
+        found_by,
         near,
+        down,
+        payload,
+        dict(limits or {}),
         at,
         fastest,
         efforts,
@@ -264,7 +281,7 @@ def trajectory(
         beyond,
         0 if model.witness is None else int(np.sum(shown)),
         proof,
-        remarks(arm),
+        (*remarks(arm), *warnings),
     )
 
 
@@ -277,21 +294,20 @@ def _checked_time(time: Array | None, count: int) -> Array | None:
     return found if count > 1 else None
 
 
-def _length(wanted: float | str, arm: Mechanism) -> float | None:
-    """Return the characteristic length, where rows or columns of different units meet."""
-    meet = arm.task.mixed or (bool(arm.task.linear) and 0 < sum(arm.turning) < len(arm.turning))
-    if wanted == "none" or (wanted == "auto" and not meet):
-        return None
-    if wanted == "auto":
-        return arm.length
-    try:
-        given = float(wanted)
-    except (TypeError, ValueError):
-        given = float("nan")
-    if not _SHORTEST <= given <= _LONGEST:
-        message = f"the length is auto, none, or between {_SHORTEST:g} and {_LONGEST:g} m, not {quote(str(wanted))}"
-        raise UsageError(message, remedy="for instance 0.5")
-    return given if meet else None
+def _mixes(arm: Mechanism) -> bool:
+    """Return whether metres and radians meet: in the rows, or in the columns of rows that slides move."""
+    return arm.task.mixed or (bool(arm.task.linear) and len(set(arm.turning)) > 1)
+
+
+def _scaled(tool: Kernel, arm: Mechanism, length: float | None) -> Kernel:
+    """Return the kernel with slides counted as angles q / L, and linear rows in units of L where rows are mixed."""
+    if length is None:
+        return tool
+    return replace(
+        tool,
+        row_factors=np.array([1 / length] * 3 + [1.0] * 3) if arm.task.mixed else None,
+        column_factors=np.where(arm.turning, 1.0, length),
+    )
 
 
 def _speeds(twist: Array | None, arm: Mechanism, length: float | None) -> Array | None:

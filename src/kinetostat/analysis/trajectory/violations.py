@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetostat.analysis.coordinates import Coordinates
-from kinetostat.analysis.trajectory.spans import runs
+from kinetostat.analysis.trajectory.spans import first_largest, runs
 from kinetostat.conventions import Array, Flags
 
 __all__ = ["Violation", "violations"]
@@ -25,7 +25,7 @@ class Violation:
         kind: position, velocity or effort.
         first: its first sample, from 0; of a velocity, the one before the first step that is too fast.
         last: its last sample; of a velocity, the one after the last such step.
-        worst: the sample that is farthest beyond; of a velocity, the one after the fastest step.
+        worst: the first sample that is farthest beyond; of a velocity, the one after the fastest step.
         value: what the joint has there, with its sign.
         limit: what it may have in that direction.
         excess: how far beyond that is, positive.
@@ -89,7 +89,7 @@ def _beyond(
         column, (lower, upper) = values[:, j], limits[:, j]
         over = np.fmax(lower - column, column - upper)
         for first, last in runs(flags[:, j]):
-            worst = first + int(np.argmax(over[first : last + 1]))
+            worst = first + first_largest(over[first : last + 1])
             value = float(column[worst])
             limit = float(lower if lower - value > value - upper else upper)
             excess = float(over[worst])

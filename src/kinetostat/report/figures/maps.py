@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kinetostat.analysis.capability.counting import APPROACH
 from kinetostat.conventions import Array, Flags
 from kinetostat.report.figures.sheet import (
     BAR_ROOM,
@@ -73,6 +74,9 @@ def capability_figure(result: CapabilityMap) -> Figure:
     unit = {"1": "a pure number", "mixed": "m and rad mixed"}.get(unit, f"in {unit}")
     line = f"{result.count:,} configurations, {result.source.label}; voxels of {result.grid.size:g} m in the axes of "
     lines = [line + named(result.velocity.relative_to)]
+    if result.approach is not None:
+        way = ", ".join(f"{part:.4g}" for part in result.approach)
+        lines.append(f"only where the tool's z axis is within {APPROACH:g} degrees of ({way})")
     lines.append(f"colour: the largest that the smallest singular value is in a voxel, {unit}; white: not reached")
     entries: list[Entry] = [(Line2D([], [], color=INK, linewidth=1.0), "edge of what is reached")]
     entries.append((Line2D([], [], **_ORIGIN), f"origin of {named(result.velocity.relative_to)}"))
@@ -146,17 +150,18 @@ def placement_figure(result: BasePlacement) -> Figure:
     step = result.capability.grid.size
     x, y = (np.append(values, values[-1] + step) - step / 2 for values in (grid.x[seen[0]], grid.y[seen[1]]))
     box = np.array([[x[0], y[0]], [x[-1], y[-1]]])
-    best = result.proved[0]
     lines = [
         f"share of {count} poses that the map of {named(result.capability.velocity.of)} promises, by the base's place"
     ]
-    lines.append(f"the best by inverse kinematics: ({best.x:.4g}, {best.y:.4g}) m, {best.count} of {count} poses")
+    if result.proved:
+        best = result.proved[0]
+        lines.append(f"the best by inverse kinematics: ({best.x:.4g}, {best.y:.4g}) m, {best.count} of {count} poses")
     entries: list[Entry] = [(Line2D([], [], **_POSE), "wanted positions of the tool")]
-    entries.append((Line2D([], [], **_BEST), "places proved by inverse kinematics, the line: x of the base"))
+    entries.append(
+        (Line2D([], [], **_BEST), "places by inverse kinematics, the best one black; the line: x of the base")
+    )
     with house_style():
-        title = (
-            f"where to place {named(result.capability.velocity.relative_to)} for {named(result.capability.velocity.of)}"
-        )
+        title = f"where to place the base of {named(result.capability.velocity.of)}"
         figure, (ax,) = sheet(_sizes([tuple(box[1] - box[0])]), title, lines, [entries], BAR_ROOM)
         promised = grid.promised[seen[0], seen[1]]
         shares = np.where(promised > 0, promised / count, np.nan)
@@ -166,7 +171,7 @@ def placement_figure(result: BasePlacement) -> Figure:
             length = 2.5 * step
             ends = [one.x, one.x + length * math.cos(one.yaw)], [one.y, one.y + length * math.sin(one.yaw)]
             cased(ax.plot(*ends, color=SKY, linewidth=1.6, zorder=5)[0])
-            ax.plot(one.x, one.y, **_BEST, zorder=6)
+            ax.plot(one.x, one.y, **_BEST | ({"markerfacecolor": INK} if one is result.proved[0] else {}), zorder=6)
         ax.plot(*result.poses[:, :2, 3].T, **_POSE, zorder=7)
         _share_bar(ax, coloured)
         return figure

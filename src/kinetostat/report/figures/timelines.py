@@ -1,4 +1,4 @@
-"""The figure of a trajectory: time lines of positions, indices, speeds and efforts, below each other."""
+"""The figure of a trajectory: time lines of positions, indices, speeds and what is used of limits, below each other."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetostat.conventions import Array
+from kinetostat.analysis.trajectory.spans import runs
+from kinetostat.conventions import Array, Flags
 from kinetostat.report.figures.sheet import BLUE, GREY, INK, PURPLE, SKY, VERMILION, Entry, house_style, named, sheet
+from kinetostat.report.trajectory import asked_notes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,15 +29,18 @@ _BINS = 1500  # parts of a line: in each, the least and the largest of many samp
 _FLOOR = 1e-6  # of s_r / s_1: below it a logarithm shows rounding
 _COLOURS = (BLUE, VERMILION, "#009e73", PURPLE, SKY, "#b8860b", INK, "#7f5539", "#e377c2", GREY)
 _NEAR: dict[str, Any] = {"facecolor": "#f3dcc4", "edgecolor": "#f3dcc4", "linewidth": 0.8, "zorder": 0}
+_BEYOND: dict[str, Any] = {"facecolor": "#f2b8b0", "edgecolor": "#f2b8b0", "linewidth": 0.8, "zorder": 0.5}
+_LOST: dict[str, Any] = {"color": INK, "linestyle": "", "marker": "x", "markersize": 4, "markeredgewidth": 0.9}
 _LIMIT: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (1, 1.5))}
 _LINE: dict[str, Any] = {"linewidth": 1.3}
 
 
 def timeline_figure(result: Trajectory, rows: FileRows, degrees: bool = False) -> Figure:
-    """Return joint positions with limits, singular values, tool speed and efforts against time (or rows).
+    """Return joint positions, singular values, tool speed, used velocity and effort limits against time (or rows).
 
-    Stretches near a singular configuration are shaded. Of many samples the least and the largest of each small part
-    are drawn, so that none that sticks out is lost.
+    Stretches near a singular configuration are shaded, and those beyond a limit in the panel of its kind; a cross marks
+    where rows of the file are left out. Of many samples the least and the largest of each small part are drawn, so that
+    none that sticks out is lost.
 
     Args:
         result: what to draw.
@@ -46,20 +51,22 @@ def timeline_figure(result: Trajectory, rows: FileRows, degrees: bool = False) -
     draws: list[_Draw] = ([_angles] if any(turning) else []) + ([] if all(turning) else [_slides])
     draws.append(_indices)
     draws += [] if result.tool_speed is None else [_speeds]
+    draws += [] if result.speed_use is None or np.all(np.isnan(result.speed_use)) else [_speed_limits]
     draws += [] if result.effort_use is None or np.all(np.isnan(result.effort_use)) else [_efforts]
     x = rows.numbers.astype(np.float64) if result.time is None else result.time
     with house_style():
         height = len(draws) * _TALL + (len(draws) - 1) * _BETWEEN
         title = f"{named(result.velocity.of)} on a trajectory"
-        figure, (whole,) = sheet([(_WIDE, height)], title, _lines(result), _legends(result), beside=0.25)
+        figure, (whole,) = sheet([(_WIDE, height)], title, _lines(result), _legends(result, rows), beside=0.25)
         panels = _panels(whole, len(draws), height)
         for ax, draw in zip(panels, draws, strict=True):
-            for span in result.spans:
-                ax.axvspan(x[span.first], x[span.last], **_NEAR)
+            _shade(ax, x, _covered(len(x), [(span.first, span.last) for span in result.spans]), _NEAR)
+            _shade(ax, x, _beyond(result, draw), _BEYOND)
             draw(ax, x, result, degrees)
             ax.grid(visible=True)
             ax.set_xlim(x[0], x[-1] if x[-1] > x[0] else x[0] + 1)
             ax.tick_params(labelbottom=ax is panels[-1])
+        _mark_lost(panels[0], x, rows)
         figure.align_ylabels(panels)
         panels[-1].set_xlabel("row of the file" if result.time is None else "time [s]")
         return figure
@@ -80,10 +87,12 @@ def _lines(result: Trajectory) -> list[str]:
     rows = f"rows that count: {' '.join(task.row_names)}"
     if result.length is not None:
         rows += f"; lengths in units of {result.length:.3g} m"
-    return [said, rows]
+    clipped = float(np.min(result.inverse_condition_number)) < _FLOOR
+    floor = [f"smallest / largest is drawn as {_FLOOR:g} where it is less"] if clipped else []
+    return [said, rows, *floor, *asked_notes(result)]
 
 
-def _legends(result: Trajectory) -> list[list[Entry]]:
+def _legends(result: Trajectory, rows: FileRows) -> list[list[Entry]]:
     """Return the joints' lines on the left; on the right what else is drawn."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
@@ -95,11 +104,60 @@ def _legends(result: Trajectory) -> list[list[Entry]]:
     right: list[Entry] = [(Line2D([], [], color=INK, **_LIMIT), "limit, or threshold")]
     if result.spans:
         right.append((Patch(**_NEAR), f"near singular: smallest / largest\nsingular value below {result.near:g}"))
+    if result.violations:
+        right.append((Patch(**_BEYOND), "beyond a limit"))
+    if rows.bad:
+        right.append((Line2D([], [], **_LOST), f"rows left out: {len(rows.bad)}"))
     return [left, right]
 
 
 def _colour(joint: int) -> str:
     return _COLOURS[joint % len(_COLOURS)]
+
+
+# --- bands and marks -------------------------------------------------------------------------------------------
+
+
+def _covered(count: int, stretches: Sequence[tuple[int, int]]) -> Flags:
+    """Return which of so many samples lie in stretches, first and last included. (m,)."""
+    flags = np.zeros(count, dtype=bool)
+    for first, last in stretches:
+        flags[first : last + 1] = True
+    return flags
+
+
+def _beyond(result: Trajectory, draw: _Draw) -> Flags:
+    """Return which samples are beyond a limit of the kind that a panel shows. (m,)."""
+    kinds: dict[_Draw, str] = {_angles: "position", _slides: "position", _speed_limits: "velocity", _efforts: "effort"}
+    kind = kinds.get(draw)
+    turns = dict(zip(result.columns, result.joints.turning, strict=True))
+    found = [one for one in result.violations if one.kind == kind]
+    if kind == "position":
+        found = [one for one in found if turns[one.joint] == (draw is _angles)]
+    return _covered(len(result.q), [(one.first, one.last) for one in found])
+
+
+def _shade(ax: Any, x: Array, flags: Flags, style: dict[str, Any]) -> None:
+    """Shade the stretches of samples that are flagged; those that no eye can tell apart as one."""
+    apart, merged = float(x[-1] - x[0]) / _BINS, list[tuple[int, int]]()
+    for first, last in runs(flags):
+        if merged and x[first] - x[merged[-1][1]] < apart:
+            merged[-1] = (merged[-1][0], last)
+        else:
+            merged.append((first, last))
+    for first, last in merged:
+        ax.axvspan(x[first], x[last], **style)
+
+
+def _mark_lost(ax: Any, x: Array, rows: FileRows) -> None:
+    """Mark above a panel where rows of the file are left out: by the samples that they stood between."""
+    if not rows.bad:
+        return
+    lost = np.interp([one.row for one in rows.bad], rows.numbers, x)
+    width = float(x[-1] - x[0]) / _BINS or 1.0
+    _, first = np.unique(np.round((lost - x[0]) / width), return_index=True)
+    shown = lost[first]
+    ax.plot(shown, np.full(len(shown), 1.04), transform=ax.get_xaxis_transform(), clip_on=False, **_LOST)
 
 
 # --- panels ----------------------------------------------------------------------------------------------------
@@ -160,11 +218,21 @@ def _speeds(ax: Any, x: Array, result: Trajectory, degrees: bool) -> None:
         axis.set_ylabel(label, labelpad=2, color=colour)
 
 
+def _speed_limits(ax: Any, x: Array, result: Trajectory, degrees: bool) -> None:  # noqa: ARG001 (drawn alike)
+    """Draw the share of each joint's velocity limit that each step takes."""
+    if result.speed_use is not None:
+        _shares(ax, (x[1:] + x[:-1]) / 2, result.speed_use, "velocity limit [%]")
+
+
 def _efforts(ax: Any, x: Array, result: Trajectory, degrees: bool) -> None:  # noqa: ARG001 (panels are drawn alike)
     """Draw the share of each joint's effort limit that holding still takes."""
-    if result.effort_use is None:
-        return
-    values = 100 * result.effort_use[:, :_MOST]
+    if result.effort_use is not None:
+        _shares(ax, x, result.effort_use, "static effort [%]")
+
+
+def _shares(ax: Any, x: Array, shares: Array, label: str) -> None:
+    """Draw shares of limits in percent, with a line where all of it is used. (m,), (m, n)."""
+    values = 100 * shares[:, :_MOST]
     for i, column in enumerate(values.T):
         if not np.all(np.isnan(column)):
             ax.plot(*_thinned(x, column), color=_colour(i), **_LINE)
@@ -173,7 +241,7 @@ def _efforts(ax: Any, x: Array, result: Trajectory, degrees: bool) -> None:  # n
         top = max(top, 112)
         ax.axhline(100, color=INK, **_LIMIT)
     ax.set_ylim(0, top)
-    ax.set_ylabel("static effort [%]", labelpad=2)
+    ax.set_ylabel(label, labelpad=2)
 
 
 def _thinned(x: Array, y: Array) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ import json
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import IO, Any, BinaryIO
@@ -40,11 +40,17 @@ class _NpzRows:
 
 @contextmanager
 def npz_rows(
-    file: BinaryIO, folder: Path | None, fields: Sequence[RowField], about: Mapping[str, Any], count: int
+    file: BinaryIO,
+    folder: Path | None,
+    fields: Sequence[RowField],
+    about: Callable[[], Mapping[str, Any]],
+    count: int,
+    more: Mapping[str, Array],
 ) -> Iterator[_NpzRows]:
     """Yield what writes `count` rows; the archive is made of them when the block ends.
 
-    Its arrays are `row`, those of the fields, and `about`, a JSON text. `folder` is on the disk that parts go to.
+    Its arrays are `row`, those of the fields, `more`, and `about`, a JSON text, which is asked for at the end. `folder`
+    is on the disk that parts go to.
 
     Raises:
         UsageError: the disk has no room for them.
@@ -67,8 +73,10 @@ def npz_rows(
                 with archive.open(zipfile.ZipInfo(f"{name}.npy", _EPOCH), "w", force_zip64=True) as member:
                     shutil.copyfileobj(part, member, _BLOCK)
                 part.close()  # its room on the disk is free again
-            with archive.open(zipfile.ZipInfo("about.npy", _EPOCH), "w") as member:
-                np.lib.format.write_array(member, np.array(json.dumps(about, ensure_ascii=False)), allow_pickle=False)
+            text = np.array(json.dumps(about(), ensure_ascii=False))
+            for name, array in [*more.items(), ("about", text)]:
+                with archive.open(zipfile.ZipInfo(f"{name}.npy", _EPOCH), "w", force_zip64=True) as member:
+                    np.lib.format.write_array(member, array, allow_pickle=False)
 
 
 def _check_room(folder: Path | None, size: int) -> None:

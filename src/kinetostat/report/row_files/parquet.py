@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import Any, BinaryIO
@@ -44,8 +44,13 @@ class _ParquetRows:
 
 
 @contextmanager
-def parquet_rows(file: BinaryIO, fields: Sequence[RowField], about: Mapping[str, Any]) -> Iterator[_ParquetRows]:
-    """Yield what writes rows; `about` becomes the JSON text `kinetostat` of the file's metadata."""
+def parquet_rows(
+    file: BinaryIO, fields: Sequence[RowField], about: Callable[[], Mapping[str, Any]]
+) -> Iterator[_ParquetRows]:
+    """Yield what writes rows; `about` becomes the JSON text `kinetostat` of the metadata.
+
+    That of the schema is asked for at once, as Arrow wants it; that of the file again at the end.
+    """
     import pyarrow as pa
     from pyarrow import parquet
 
@@ -53,7 +58,8 @@ def parquet_rows(file: BinaryIO, fields: Sequence[RowField], about: Mapping[str,
     columns = [pa.field("row", pa.int64(), nullable=False)]
     for name, unit in zip(distinct_columns(fields), units, strict=True):
         columns.append(pa.field(name, pa.float64(), nullable=False, metadata={"unit": unit} if unit else None))
-    schema = pa.schema(columns, metadata={"kinetostat": json.dumps(about, ensure_ascii=False)})
+    schema = pa.schema(columns, metadata={"kinetostat": json.dumps(about(), ensure_ascii=False)})
     # No dictionaries: hardly two numbers are the same.
     with parquet.ParquetWriter(file, schema, use_dictionary=False) as writer:
         yield _ParquetRows(writer, schema)
+        writer.add_key_value_metadata({"kinetostat": json.dumps(about(), ensure_ascii=False)})

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kinetostat.errors import UsageError
 from kinetostat_cli.console import progress_bar, refuse, say
 from kinetostat_cli.options import RunOptions
 
@@ -22,8 +24,10 @@ def check(run: RunOptions) -> None:
     """Refuse options that do not go together.
 
     Raises:
-        UsageError: threads are asked for on a cluster.
+        UsageError: threads are asked for on a cluster; the checkpoint has no folder of its own.
     """
+    if run.checkpoint == Path():
+        raise UsageError("--checkpoint takes a folder of its own", remedy="name one, such as ./checkpoint")
     alone = "is of threads here, not of a cluster"
     refuse(run.scheduler is not None, {"--jobs": run.jobs}, alone, "leave one of the two out")
 

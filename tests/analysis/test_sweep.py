@@ -67,6 +67,9 @@ def part(table, measure):
     return np.stack([values for name, values in table.items() if name.partition(".")[0] == measure], -1)
 
 
+SIX = "xyz rx ry rz"
+
+
 # --- rows -------------------------------------------------------------------------------------------------------------
 
 
@@ -77,7 +80,15 @@ def test_rows_are_what_each_question_alone_answers(source, frame, reference):
     payload = ks.Payload(1.5, frame, (0.0, 0.1, 0.0))
     measures = [name for name in ALL if name != "effort_use"]
     q, table, found = rows_of(
-        model, frame, samples=200, seed=3, measures=measures, reference=reference, point=point, payload=payload
+        model,
+        frame,
+        samples=200,
+        seed=3,
+        axes=SIX,
+        measures=measures,
+        reference=reference,
+        point=point,
+        payload=payload,
     )
     jacobian = ks.jacobian(model, frame, q, reference=reference, point=point)
     tolerance = 20 * jacobian.certificate.tolerance
@@ -115,6 +126,31 @@ def test_effort_use_is_that_of_torque(source, frame):
     assert np.allclose(part(table, "effort_use")[:, 1:], use, rtol=1e-9, atol=1e-12)
     assert np.allclose(table["effort_use"], np.max(use, axis=1), rtol=1e-9, atol=1e-12)
     assert found.below[0].count == np.sum(np.max(use, axis=1) < 0.1)
+
+
+def test_an_arm_is_near_singular_where_its_own_rank_is_lost():
+    """Three parallel axes have rank 3 of 6 everywhere: that is no singularity; stretched, they have 2."""
+    model = model_of("textbook:planar_3r")
+    stretched, bent = np.array([[0.3, 0.0, 0.0]]), np.array([[0.3, 1.0, 1.2]])
+    _, table, found = rows_of(model, "tool", configurations=stretched, axes=SIX)
+    assert (table["minimum_singular_value"][0], table["yoshikawa"][0]) == pytest.approx((0, 0), abs=1e-15)
+    assert found.near_singular_share == 1
+    _, table, found = rows_of(model, "tool", configurations=bent, axes=SIX, measures="singular_values,yoshikawa")
+    assert part(table, "singular_values").shape == (1, 3)
+    assert table["yoshikawa"][0] == pytest.approx(np.prod(part(table, "singular_values")), rel=1e-12)
+    assert (found.near_singular_share, found.certificate.agree) == (0, True)
+    assert any("the rank of the 6 rows is 3" in warning for warning in found.warnings)
+    with pytest.raises(ks.UsageError, match="no gradient"):
+        rows_of(model, "tool", configurations=bent, axes=SIX, measures="yoshikawa_gradient")
+
+
+def test_rows_by_default_are_those_of_singular():
+    """An arm of two joints carries a point about: its orientation is no task (theory A5: stretched, it is singular)."""
+    model = model_of("textbook:planar_2r_6_3")
+    _, table, found = rows_of(model, "tool", configurations=np.array([[0.7, 0.0], [0.7, 1.0]]))
+    assert found.task.row_names == ks.singular_at(model, "tool", np.array([0.7, 0.0])).mechanism.task.row_names
+    assert table["minimum_singular_value"][0] == pytest.approx(0, abs=1e-15)
+    assert table["minimum_singular_value"][1] > 0.1
 
 
 def test_distance_to_limits_is_one_in_the_middle_and_zero_at_an_end():
@@ -346,9 +382,9 @@ def test_a_wrong_mass_is_found_out(measure):
     assert wrong.result(run(wrong)).certificate.agree is False
 
 
-def test_only_a_distance_to_limits_is_certified_by_the_placement():
+def test_only_a_distance_to_limits_is_certified_by_the_placement_too():
     found = sweep(model_of("example:ur5_robot"), "tool0", np.zeros(6), samples=100, measures="limit_distance")
-    assert list(found.certificates) == ["placement"]
+    assert list(found.certificates) == ["placement", "limit_distance"]
     assert found.certificate.agree
     assert list(found.measures) == ["limit_distance"]
     assert found.near_singular_share is None

@@ -721,6 +721,7 @@ def test_lengths(ask):
     assert default["result"]["measures"]["yoshikawa"]["unit"] == "1"
     mixed = ask(*PANDA, "--samples", "50", "--length", "none")
     assert "m and rad are mixed" in mixed["warnings"][0]
-    slides = ask("textbook:skew_1p", "--samples", "50")  # no joint turns: there is no length
+    rows = ("--axes", "xyz", "rx", "ry", "rz")
+    slides = ask("textbook:skew_1p", "--samples", "50", *rows)  # no joint turns: there is no length
     assert slides["result"]["asked"]["characteristic_length"] is None
     assert "no turn moves a linear row that counts" in slides["warnings"][0]

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["OUTPUTS", "Kernel"]
 
-# What can be asked for, with the shape of what is given for m configurations of n coordinates; k = min(rows, n).
+# What can be asked for, with the shape of what is given for m configurations of n coordinates; k = min(rows, n), or the
+# rank that the structure gives the rows at almost every configuration, where that is given.
 OUTPUTS = (
     "placement",  # (m, 3, 4): the upper rows of T, the tool in the observer's coordinates
     "jacobian",  # (m, 6, n): of the tool's origin, linear rows first, in the axes that `local` says, in m and rad
@@ -57,6 +58,9 @@ class Kernel:
         gravity: the acceleration of gravity, (3,), m/s2.
         effort_limits: the least (negative) and greatest torque of each coordinate, infinite or NaN for none. (2, n).
         position_limits: lower and upper end of each coordinate, infinite for none. (2, n).
+        rank: how many singular values count: the rank at almost every configuration, where it is less than k. An arm
+            whose structure leaves some zero everywhere is singular where the smallest of the others is. Gradients are
+            of all k, and have no value then.
     """
 
     chain: Chain
@@ -69,6 +73,13 @@ class Kernel:
     gravity: Array | None = None
     effort_limits: Array | None = None
     position_limits: Array | None = None
+    rank: int | None = None
+
+    @property
+    def values(self) -> int:
+        """How many singular values count, k."""
+        count: int = min(len(self.rows), self.chain.fold.shape[1])
+        return count if self.rank is None else min(self.rank, count)
 
     def __call__(self, q: Array) -> dict[str, Array]:
         """Return what is asked for by name, compiled. (m, n) -> {output: (m, ...)}.
@@ -109,7 +120,8 @@ class Kernel:
         found = {"jacobian": jacobian, "placement": self.chain.columns(q)[1][..., :3, :]}
         weighed, along = self.weighed(jacobian), self.weighed(derivatives, columns_at=-2)
         u, s, vt = np.linalg.svd(weighed, full_matrices=False)
-        found["singular_values"], found["yoshikawa"] = s, np.prod(s, axis=-1)
+        found["singular_values"] = s[..., : self.values]
+        found["yoshikawa"] = np.prod(found["singular_values"], axis=-1)
         if "yoshikawa_gradient" in self.outputs or "minimum_gradient" in self.outputs:
             # ds_i/dq_j = u_i^T (dM/dq_j) v_i;  dw/dq_j = w sum_i ds_i/dq_j / s_i
             slopes = np.einsum("...ri,...rcj,...ic->...ij", u, along, vt)
@@ -117,7 +129,7 @@ class Kernel:
             found["minimum_gradient"] = np.where(smooth, slopes[..., -1, :], np.nan)
             with np.errstate(divide="ignore", invalid="ignore"):
                 summed = np.sum(slopes / s[..., None], axis=-2)
-            found["yoshikawa_gradient"] = np.where(smooth, found["yoshikawa"][..., None] * summed, np.nan)
+            found["yoshikawa_gradient"] = np.where(smooth, np.prod(s, axis=-1)[..., None] * summed, np.nan)
         if self.tree is not None and self.gravity is not None:
             found["gravity_torque"] = self.tree.holding_torques(q, self.gravity)
             if self.effort_limits is not None:

@@ -212,7 +212,7 @@ def capability_map(
         low_discrepancy: how many of a Halton sequence instead.
         voxel: edge of a voxel, m; default near a twentieth of the reach.
         seed: of the configurations.
-        axes: the rows of the Jacobian whose smallest singular value counts; default all six.
+        axes: the rows of the Jacobian whose smallest singular value counts; default as in `sweeping.sweep`.
         reference: aligned (those rows in the observer's axes) or local (in the tool's: a torch that may turn about its
             own z axis has axes "xyz rx ry", reference local).
         length: the characteristic length where metres and radians are mixed: in m, "auto" (see `sweeping.sweep`) or

@@ -30,7 +30,7 @@ _ONE_AT_A_TIME = threading.Lock()  # an engine has one workspace
 
 @dataclass(frozen=True, repr=False)
 class RowWitness:
-    """Pinocchio's word on a kernel's numbers. It is picklable.
+    """Pinocchio's word on a kernel's numbers, and plain Python's on the distance to limits. It is picklable.
 
     Differences are brought to a common scale, so that one tolerance does for all rows: singular values are as exact as
     the Jacobian; their product is compared after division by the k s_1^(k-1) by which it magnifies differences of them,
@@ -126,9 +126,9 @@ class RowWitness:
         own = self.coordinates.model.engine.jacobian(whole, self.velocity)[..., self._columns]
         jacobian = self._by_coordinate(own, q)
         u, s, vt = np.linalg.svd(self.kernel.weighed(jacobian), full_matrices=False)
-        count = s.shape[-1]
+        count = self.kernel.values
         magnified = np.maximum(1.0, count * s[:, 0] ** (count - 1))
-        found = {"jacobian": jacobian, "singular_values": s, "yoshikawa": np.prod(s, axis=-1)}
+        found = {"jacobian": jacobian, "singular_values": s[:, :count], "yoshikawa": np.prod(s[:, :count], axis=-1)}
         if set(_GRADIENTS) & set(self.tolerances):
             along = np.eye(q.shape[1]) if along is None else along
             # d(J W)/dt = dJ/dt W + J dW/dt; (k, d, 6, n) -> (k, 6, n, d)
@@ -155,10 +155,11 @@ class RowWitness:
     @property
     def _planar(self) -> list[int]:
         """Where coordinates of planar joints begin: x, y, theta."""
-        joints, found = self.coordinates.joints, list[int]()
-        for j, joint in enumerate(joints):
-            if joint.type is JointType.PLANAR and joint is not joints[j - 1 if j else j - len(joints)]:
+        found, j = list[int](), 0
+        for joint in dict.fromkeys(self.coordinates.joints):
+            if joint.type is JointType.PLANAR:
                 found.append(j)
+            j += joint.type.nq
         return found
 
     def _by_coordinate(self, columns: Array, q: Array) -> Array:

@@ -28,17 +28,14 @@ class Subject:
         turning: whether each is an angle.
         task: the rows that count.
         unit: unit of the singular values.
+        count: how many singular values there are: the rank at almost every configuration.
     """
 
     names: tuple[str, ...]
     turning: tuple[bool, ...]
     task: Task
     unit: str
-
-    @property
-    def count(self) -> int:
-        """How many singular values there are, k."""
-        return min(len(self.task.rows), len(self.names))
+    count: int
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -242,10 +239,10 @@ _ALL = (
 MEASURES = {measure.name: measure for measure in _ALL}
 
 
-def subject(coordinates: Coordinates, task: Task, *, scaled: bool) -> Subject:
+def subject(coordinates: Coordinates, task: Task, rank: int, *, scaled: bool) -> Subject:
     """Return what the columns of a chain's measures depend on; `scaled` if there is a characteristic length."""
     unit = singular_value_unit(task, coordinates.turning, scaled=scaled)
-    return Subject(coordinates.names, coordinates.turning, task, unit)
+    return Subject(coordinates.names, coordinates.turning, task, unit, rank)
 
 
 def asked(names: str | Sequence[str], of: Subject) -> tuple[Asked, ...]:

@@ -16,6 +16,7 @@ from kinetostat.analysis.indices import NEAR
 from kinetostat.analysis.jacobian import labelled
 from kinetostat.analysis.kernels import chain_kernel
 from kinetostat.analysis.loads import Payload, effort_limits
+from kinetostat.analysis.singular.mechanism import mechanism
 from kinetostat.analysis.sweeping.certifying import UNCHECKED, row_witness
 from kinetostat.analysis.sweeping.measures import Asked, Subject, asked, kernel_outputs, subject
 from kinetostat.analysis.sweeping.samples import (
@@ -28,7 +29,7 @@ from kinetostat.analysis.sweeping.samples import (
     random_source,
 )
 from kinetostat.analysis.sweeping.sweep_work import SweepWork
-from kinetostat.analysis.task import FULL, Task
+from kinetostat.analysis.task import Task
 from kinetostat.analysis.typical_length import asked_length
 from kinetostat.conventions import Array, Reference
 from kinetostat.engines.model import Model
@@ -77,16 +78,21 @@ def sweep_work(
         raise UsageError("a sweep's Jacobians are of the tool point", remedy="reference aligned or local")
     velocity = labelled(robot, frame, reference, relative_to, None, point)
     chain = coordinates(model, velocity.of, velocity.relative_to, velocity.point or (0.0, 0.0, 0.0))
-    task = FULL if axes is None else Task.named(axes)
+    arm = mechanism(model, frame, relative_to=relative_to, point=point, axes=axes, reference=reference)
+    task, rank = arm.task, arm.generic_rank
     if not 0 < near <= 1:
         raise UsageError(f"near-singular is below a number between 0 and 1, not {near:g}", remedy=f"such as {NEAR}")
     size, size_reference = asked_length(chain, task, length)
-    described = subject(chain, task, scaled=size is not None)
+    described = subject(chain, task, rank, scaled=size is not None)
     wanted = _with_thresholds(asked(measures, described), [*(below or {}), *(above or {})], described)
     if configurations is not None:
         rest = _rest_of(chain, wanted, configurations, rest)
     source = _source(chain, rest, samples, low_discrepancy, grid, configurations, seed, degrees=degrees)
     outputs = kernel_outputs(wanted)
+    possible = min(len(task.rows), len(chain.names))
+    if rank < possible and {"yoshikawa_gradient", "minimum_gradient"} & set(outputs):
+        shown = " ".join(task.row_names)
+        raise UsageError(f"no gradient: the rank of {shown} is {rank} everywhere", remedy=f"--axes with {rank} rows")
     if set(outputs) <= set(UNCHECKED):
         outputs = ("placement", *outputs)  # a chain that is the wrong one is found all the same
     kernel = chain_kernel(
@@ -104,7 +110,12 @@ def sweep_work(
         remedy = "no turn moves a linear row that counts; --length L" if length == "auto" else "--length auto"
         mixed = "m and rad are mixed: such numbers depend on the unit of length"
         warnings.append(f"{mixed} ({remedy} makes them comparable)")
-    kernel = _scaled(kernel, chain, task, size)
+    if rank < possible and {"singular_values", "yoshikawa"} & set(outputs):
+        warnings.append(
+            f"the rank of the {len(task.rows)} rows is {rank} at almost every configuration: so many singular values "
+            "count (--axes chooses rows)"
+        )
+    kernel = replace(_scaled(kernel, chain, task, size), rank=rank)
     return SweepWork(
         source,
         wanted,

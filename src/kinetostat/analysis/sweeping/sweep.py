@@ -85,7 +85,9 @@ def sweep(
         relative_to: A, the observer's link; default the root link.
         point: the point in F's coordinates, in m; default F's origin.
         reference: aligned (rows in the observer's axes) or local (in F's).
-        axes: the rows that count, such as "x y rz"; default all six. See `Task.named`.
+        axes: the rows that count, such as "x y rz", see `Task.named`; default all six, or the linear ones of an arm
+            with three joints or fewer (see `singular.mechanism`). Of the singular values those count that are not zero
+            almost everywhere.
         length: what makes metres and radians comparable where they meet: a length in m, "auto" (over the configurations
             inside limits, see `typical_length`), or "none": mix them.
         gravity: True (9.81 m/s2 down the root's z) or a vector (3,) in the root's axes.

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
+from itertools import groupby
 
 import numpy as np
 
@@ -301,12 +302,16 @@ class SweepWork:
 
     def result(self, outcome: Outcome[SweepPartial]) -> Sweep:
         """Return the answer of a run, complete or not. The extremes are computed again by Pinocchio, too."""
-        partial = outcome.partial
-        measures = {}
+        partial, measures = outcome.partial, {}
+        ends = {peak.row for tally in partial.tallies for peak in (tally.minimum, tally.maximum) if peak is not None}
+        where = self._configurations(sorted(ends))
         for column, tally in zip(self.summed, partial.tallies, strict=True):
-            low, high = (None if peak is None else self._extreme(peak) for peak in (tally.minimum, tally.maximum))
+            low, high = (
+                None if peak is None else self._extreme(peak, where[peak.row])
+                for peak in (tally.minimum, tally.maximum)
+            )
             measures[column.name] = Distribution(column, tally, low, high)
-        partial = self._with_extremes(partial)
+        partial = self._with_extremes(partial, where)
         certificates = self._certificates(partial)
         below = [tally.below for tally in partial.tallies]
         above = [tally.above for tally in partial.tallies]
@@ -354,17 +359,23 @@ class SweepWork:
             for threshold, count in zip(levels, found, strict=True)
         )
 
-    def _extreme(self, peak: Peak) -> Extreme:
-        q = self.source.rows(peak.row, peak.row + 1)[0].copy()
+    def _configurations(self, rows: Sequence[int]) -> dict[int, Array]:
+        """Return the configurations of some rows, ascending, (n,) each; every block of them is drawn once."""
+        found = dict[int, Array]()
+        for _, own in groupby(rows, lambda row: row // BLOCK):
+            some = list(own)
+            drawn = self.source.rows(some[0], some[-1] + 1)
+            found |= {row: drawn[row - some[0]].copy() for row in some}
+        return found
+
+    def _extreme(self, peak: Peak, q: Array) -> Extreme:
         return Extreme(peak.value, peak.row, q, self.coordinates.configuration(q, self.witness.rest))
 
-    def _with_extremes(self, partial: SweepPartial) -> SweepPartial:
+    def _with_extremes(self, partial: SweepPartial, where: Mapping[int, Array]) -> SweepPartial:
         """Return the partial result with the rows of all extremes computed again, and held against what is reported."""
-        ends = {peak.row for tally in partial.tallies for peak in (tally.minimum, tally.maximum) if peak is not None}
-        if not ends or not self.coordinates.model.crosscheck:
+        if not where or not self.coordinates.model.crosscheck:
             return partial
-        rows = sorted(ends)
-        q = np.concatenate([self.source.rows(row, row + 1) for row in rows])
+        rows, q = list(where), np.stack(list(where.values()))
         outputs = self.kernel(q)
         found = self._differences(q, outputs, np.arange(len(rows)), 0)
         own = tuple(None if peak is None else Peak(peak.value, rows[peak.row]) for peak in found)

@@ -28,7 +28,8 @@ def run(kernel: Kernel, q: Array) -> dict[str, Array]:
     lanes = np.ascontiguousarray(np.asarray(q, dtype=np.float64).T)
     wanted, coordinates = kernel.outputs, lanes.shape[0]
     values = min(len(kernel.rows), coordinates)
-    out = _laid_out(wanted, coordinates, values, lanes.shape[1])
+    partly = kernel.values < values  # some singular values are zero everywhere, and do not count
+    out = _laid_out((*wanted, "singular_values") if partly else wanted, coordinates, values, lanes.shape[1])
     _run_chain(kernel, lanes, values, out)
     if kernel.tree is not None and kernel.gravity is not None and {"gravity_torque", "effort_use"} & set(wanted):
         tree, masses = kernel.packed_tree
@@ -38,8 +39,11 @@ def run(kernel: Kernel, q: Array) -> dict[str, Array]:
         evaluate_statics(lanes, tree, masses, gravity, limits, out["gravity_torque"], out["effort_use"])
     if "limit_distance" in wanted and kernel.position_limits is not None:
         evaluate_limit_distance(lanes, *middle_and_half(kernel.position_limits), out["limit_distance"])
+    if partly:
+        out["singular_values"] = out["singular_values"][: kernel.values]
+        out["yoshikawa"] = np.prod(out["singular_values"], axis=0, keepdims=True)
     shapes = {"placement": (3, 4), "jacobian": (6, coordinates), "yoshikawa": (), "limit_distance": ()}
-    found = {name: out[name].reshape(*shapes.get(name, out[name].shape[:1]), -1) for name in wanted}
+    found = {name: out[name].reshape(*shapes.get(name, out[name].shape[:1]), lanes.shape[1]) for name in wanted}
     return {name: np.moveaxis(rows, -1, 0) for name, rows in found.items()}
 
 

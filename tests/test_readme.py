@@ -11,7 +11,8 @@ import pytest
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 CONSOLE = re.findall(r"```console\n\$ (.*?)\n(.*?)```", README, re.DOTALL)
 # The last digits differ from processor to processor, and so do a few searches' ends; the rest may not.
-ROUNDING = re.compile(r"largest difference \S+,|(?<=fold) +\d+ +|(?<=tangential) +\d+ +")
+# How fast a machine is, nobody can promise.
+ROUNDING = re.compile(r"largest difference \S+,|(?<=fold) +\d+ +|(?<=tangential) +\d+ +|configurations in .* a second")
 
 
 def output(line):
@@ -29,8 +30,8 @@ def test_examples_print_what_the_readme_shows(line, shown):
     assert ROUNDING.sub("", output(line)) == ROUNDING.sub("", shown)
 
 
-def test_there_are_ten_examples():
-    assert len(CONSOLE) == 10
+def test_there_are_twelve_examples():
+    assert len(CONSOLE) == 12
 
 
 def test_the_python_of_the_readme_runs():
@@ -44,6 +45,9 @@ def test_the_python_of_the_readme_runs():
     assert lines[2:4] == ["(100, 3)", "(100,)"]
     assert lines[4:6] == ["panda_joint2", "True"]
     assert "shoulder" in lines[6]
+    quantile, near = map(float, lines[7].split())
+    assert 0 < quantile < 1
+    assert 0 < near < 0.1
 
 
 def test_every_command_is_in_the_readme():

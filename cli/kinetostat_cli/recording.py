@@ -9,14 +9,14 @@ import csv
 import itertools
 import math
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kinetostat.analysis.configuration import LARGEST_ANGLE, LARGEST_LENGTH, Configuration, from_rows, neutral
+from kinetostat.analysis.configuration import LARGEST_ANGLE, LARGEST_LENGTH, from_rows
 from kinetostat.conventions import Array
 from kinetostat.errors import ConfigurationError, cut, quote
 from kinetostat.report.trajectory_rows import BadRow, FileRows
@@ -26,7 +26,7 @@ from kinetostat_cli.reading import is_header, list_file, list_text, split_unit
 if TYPE_CHECKING:
     from kinetostat import Model
 
-__all__ = ["Held", "Recording", "held_joints", "read_recording"]
+__all__ = ["Recording", "read_recording"]
 
 _BLOCK = 1 << 16  # lines that are read at once
 _TIME = ("time", "t", "time_from_start")
@@ -127,40 +127,6 @@ def read_recording(file: Path, model: Model, rest: Array, *, degrees: bool, time
     q[:, others] = rest[others]
     time = None if columns.t is None else values[sound, columns.t]
     return Recording(q, time, FileRows(np.flatnonzero(sound) + 1, len(values), bad), names, columns.ignored)
-
-
-# --- joints that a file does not name --------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Held(Configuration):
-    """Where those joints are that do not move; of the others nothing is told.
-
-    Attributes:
-        joints: names of the joints that are held.
-    """
-
-    joints: frozenset[str] = frozenset()
-
-    def by_joint(self) -> dict[str, float | list[float]]:
-        """Return {joint: position} of the joints that are held."""
-        return {name: position for name, position in super().by_joint().items() if name in self.joints}
-
-
-def held_joints(rest: Configuration, moved: Collection[str]) -> Held:
-    """Return what is held of a configuration, with its warnings; `moved` are the coordinates that something else says.
-
-    A joint that moves is told of by nothing: its position stands at zero, and a limit that it, or what follows it,
-    exceeds in `rest` is no warning.
-    """
-    robot, q = rest.robot, rest.q.copy()
-    places = [i for i, name in enumerate(robot.position_names) if name in moved]
-    q[places] = neutral(robot)[places]
-    free = {joint.name for joint in robot.independent if set(joint.position_names) <= set(moved)}
-    about = free | {name for name, law in robot.followers.items() if law.joint in free}
-    starts = tuple(f"joint {quote(name)} is at " for name in about)
-    warnings = tuple(line for line in rest.warnings if not line.startswith(starts))
-    return Held(robot, q, warnings, frozenset(joint.name for joint in robot.independent) - free)
 
 
 # --- columns ---------------------------------------------------------------------------------------------------

@@ -239,6 +239,6 @@ def test_what_cannot_be_is_refused(planar):
         base_placement(model, capability, Pose(at_points([[0, 0, 0], [1e3, 1e3, 0]]), oriented=False), q)
     with pytest.raises(ConfigurationError):
         base_placement(model, capability, Pose(at_points([[1, 0, 0]]), oriented=False), np.zeros(5))
-    turning = mapped(model, "tool", samples=1000)
+    turning = mapped(model, "tool", samples=1000, axes="xyz rx ry rz")
     with pytest.raises(UsageError, match="no orientation"):
         base_placement(model, turning, Pose(at_points([[1, 0, 0]]), oriented=False), q)

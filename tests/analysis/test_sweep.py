@@ -128,20 +128,33 @@ def test_effort_use_is_that_of_torque(source, frame):
     assert found.below[0].count == np.sum(np.max(use, axis=1) < 0.1)
 
 
-def test_an_arm_is_near_singular_where_its_own_rank_is_lost():
-    """Three parallel axes have rank 3 of 6 everywhere: that is no singularity; stretched, they have 2."""
-    model = model_of("textbook:planar_3r")
-    stretched, bent = np.array([[0.3, 0.0, 0.0]]), np.array([[0.3, 1.0, 1.2]])
-    _, table, found = rows_of(model, "tool", configurations=stretched, axes=SIX)
+LINK = "<link name='l{0}'/><joint name='j{0}' type='continuous'><parent link='l{1}'/><child link='l{0}'/>{2}</joint>"
+
+
+def test_an_arm_is_near_singular_where_its_own_rank_is_lost(tmp_path):
+    """Four parallel axes have rank 3 of 6 everywhere: that is no singularity; stretched, they have 2."""
+    where = "<axis xyz='0 0 1'/><origin xyz='0.5 0 0'/>"
+    links = "".join(LINK.format(i, i - 1, where) for i in range(1, 5))
+    file = tmp_path / "four.urdf"
+    tool = (
+        "<link name='t'/><joint name='f' type='fixed'><parent link='l4'/><child link='t'/><origin xyz='1 0 0'/></joint>"
+    )
+    file.write_text(f"<robot name='four'><link name='l0'/>{links}{tool}</robot>")
+    model = ks.load(file)
+    stretched, bent = np.array([[0.3, 0, 0, 0.0]]), np.array([[0.3, 1.0, 1.2, -0.4]])
+    _, table, found = rows_of(model, "t", configurations=stretched)
     assert (table["minimum_singular_value"][0], table["yoshikawa"][0]) == pytest.approx((0, 0), abs=1e-15)
     assert found.near_singular_share == 1
-    _, table, found = rows_of(model, "tool", configurations=bent, axes=SIX, measures="singular_values,yoshikawa")
+    _, table, found = rows_of(model, "t", configurations=bent, measures="singular_values,yoshikawa")
     assert part(table, "singular_values").shape == (1, 3)
     assert table["yoshikawa"][0] == pytest.approx(np.prod(part(table, "singular_values")), rel=1e-12)
     assert (found.near_singular_share, found.certificate.agree) == (0, True)
     assert any("the rank of the 6 rows is 3" in warning for warning in found.warnings)
     with pytest.raises(ks.UsageError, match="no gradient"):
-        rows_of(model, "tool", configurations=bent, axes=SIX, measures="yoshikawa_gradient")
+        rows_of(model, "t", configurations=bent, measures="yoshikawa_gradient")
+    mapped = ks.capability_map(model, "t", np.zeros(4), samples=2000)
+    assert np.nanmax(mapped.best_singular_value) > 0.1
+    assert mapped.certificate.agree
 
 
 def test_rows_by_default_are_those_of_singular():

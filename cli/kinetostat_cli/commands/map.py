@@ -102,7 +102,7 @@ def map_(
     Example: kinetostat map example:ur5_robot -f tool0 --approach 0,0,-1
     """
     from kinetostat.analysis.capability.capability_map import capability_map
-    from kinetostat_cli.recording import held_joints
+    from kinetostat.analysis.held import held_joints
 
     refuse(poses is not None, {"--approach": approach}, "does not go with --poses", "poses say it themselves")
     refuse(low_discrepancy is not None, {"--samples": samples}, "does not go with --low-discrepancy", "choose one")

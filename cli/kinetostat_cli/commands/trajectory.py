@@ -37,9 +37,10 @@ from kinetostat_cli.options import (
 from kinetostat_cli.payloads import PayloadOption, payload_of
 
 if TYPE_CHECKING:
+    from kinetostat.analysis.held import Held
     from kinetostat.analysis.trajectory.trajectory import Trajectory
     from kinetostat.report.trajectory_rows import FileRows
-    from kinetostat_cli.recording import Held, Recording
+    from kinetostat_cli.recording import Recording
 
 __all__ = ["register"]
 
@@ -100,8 +101,9 @@ def trajectory(
 
     Example: kinetostat trajectory textbook:planar_2r motion.csv -f tool
     """
+    from kinetostat.analysis.held import held_joints
     from kinetostat.analysis.trajectory.trajectory import trajectory as analysed
-    from kinetostat_cli.recording import held_joints, read_recording
+    from kinetostat_cli.recording import read_recording
     from kinetostat_cli.values import by_joint
 
     if plot is not None:

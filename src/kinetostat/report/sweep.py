@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby, zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetostat.analysis.configuration import Configuration, neutral
+from kinetostat.analysis import held
+from kinetostat.analysis.configuration import Configuration
 from kinetostat.analysis.sweeping.samples import GridSource
 from kinetostat.conventions import GRAVITY, Array
 from kinetostat.errors import cut, quote
@@ -282,36 +282,16 @@ def _certified_note(result: Sweep) -> str:
     return f"{_whole(result.certified_rows)} configurations, {again}"
 
 
-@dataclass(frozen=True)
-class _Held(Configuration):
-    """A configuration of which some joints are not held, so that nobody is to know where they are."""
-
-    moved: tuple[str, ...] = ()
-
-    def by_joint(self) -> dict[str, float | list[float]]:
-        """Return {joint: position} of those that are held."""
-        return {name: value for name, value in super().by_joint().items() if name not in self.moved}
-
-
 def held_joints(work: SweepWork, warnings: Sequence[str] = ()) -> Configuration:
     """Return where joints are held that a sweep does not move; those that it moves are at zero, and not in JSON.
 
     `warnings` are those of the configuration that was asked for; what they say of joints of the chain is left out: it
     is said of the configurations that are swept.
     """
-    robot, moved = work.coordinates.model.robot, work.source.moved
-    joints = tuple(joint.name for joint in robot.independent if set(joint.position_names) & set(moved))
-    zero, q = neutral(robot), work.witness.rest.copy()
-    for name in joints:
-        q[robot.position_slices[name]] = zero[robot.position_slices[name]]
-    chain = [quote(joint.name) for joint in work.coordinates.joints]
-    about_chain = tuple(f"joint {name} is at " for name in chain)
-    kept = [
-        warning
-        for warning in warnings
-        if not warning.startswith(about_chain) and not any(f", by following {name}," in warning for name in chain)
-    ]
-    return _Held(robot, q, tuple(kept), joints)
+    robot = work.coordinates.model.robot
+    about_chain = tuple(f"joint {quote(joint.name)} is at " for joint in work.coordinates.joints)
+    kept = tuple(warning for warning in warnings if not warning.startswith(about_chain))
+    return held.held_joints(Configuration(robot, work.witness.rest, kept), work.source.moved)
 
 
 def _flat(found: Sequence[Distribution]) -> Table:

@@ -34,7 +34,7 @@ OUTPUTS = (
     "minimum_gradient",  # (m, n): of the smallest singular value; NaN where it is zero
     "gravity_torque",  # (m, n): what holds the tree still, Nm or N
     "effort_use",  # (m, n): |gravity torque| over the effort limit in its direction; NaN where there is none
-    "limit_distance",  # (m,): of the joint nearest to a limit, 1 in the middle of its range, 0 at its end
+    "limit_distance",  # (m,): of the coordinate nearest to a limit, 1 in the middle of its range, 0 at its end
 )
 _LOCKED = 1e-300  # half the length of a range of one position
 KINK = 1e-9  # of the largest singular value: below it the smallest one is zero, and has no gradient

@@ -230,7 +230,7 @@ _ALL = (
     ),
     Measure(
         "limit_distance",
-        "of the joint nearest to a position limit: 1 in the middle of its range, 0 at its end",
+        "of the joint nearest to a position limit, its own or a follower's: 1 amid its range, 0 at its end",
         ("limit_distance",),
         _PURE,
         _output("limit_distance"),

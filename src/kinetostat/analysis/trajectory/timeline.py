@@ -34,7 +34,8 @@ class Timeline:
         singular_values: descending. (m, k).
         twist: of the tool point, m/s and rad/s, or None without time. (m, 6).
         torque: that holds the robot still, Nm and N, or None without gravity. (m, n).
-        limit_distance: of the joint nearest to a position limit: 1 amid its range, 0 at its end. (m,).
+        limit_distance: of the joint nearest to a position limit, its own or a follower's: 1 amid its range, 0 at its
+            end. (m,).
     """
 
     position: Array

@@ -17,6 +17,7 @@ LARGEST = 4_000_000  # voxels of a grid: about 1 GB while maps of so many are me
 _FLAT = 1e-9  # m, and of the largest extent: what is thinner has no thickness
 _ACROSS = 20  # voxels from the middle to the edge of the usual grid, about
 _SHORTEST = 1e-9  # m
+_LONGEST = 1e9  # m
 _UNREADABLE = 1e12  # from here on a number is shown by its power of ten
 
 
@@ -91,13 +92,13 @@ def fitted(low: Array, high: Array, points: Array, size: float | None) -> Grid:
         size: of a voxel, m; None for the usual one.
 
     Raises:
-        UsageError: the size is not positive, or there would be more than `LARGEST` voxels.
+        UsageError: the size is not between 1e-9 and 1e9 m, or there would be more than `LARGEST` voxels.
     """
     at, span = points.min(axis=0), np.ptp(points, axis=0)
     flat = span <= _FLAT * max(1.0, float(np.max(high - low)))
     low, high = np.where(flat, at, low), np.where(flat, at + span, high)
     size = usual_size(low, high) if size is None else size
-    if not (math.isfinite(size) and size >= _SHORTEST):
+    if not _SHORTEST <= size <= _LONGEST:
         raise UsageError(f"a voxel of {size:g} m cannot be", remedy="for instance --voxel 0.05")
     first, shape = _layers(low, high, flat, size)
     count = float(np.prod(shape))

@@ -397,7 +397,11 @@ def _axis(name: str, words: tuple[str | float, ...]) -> tuple[float, float, int]
         low, high, size = float(words[0]), float(words[1]), float(words[2])
     except (IndexError, TypeError, ValueError):
         low = high = size = math.nan
-    if len(words) != 3 or not (math.isfinite(low) and math.isfinite(high) and 1 <= size <= MOST_ROWS and size % 1 == 0):
+    if size > MOST_ROWS:
+        raise UsageError(
+            f"{size:g} positions of joint {quote(name)} are too many", remedy=f"at most {MOST_ROWS:g} in all"
+        )
+    if len(words) != 3 or not (math.isfinite(low) and math.isfinite(high) and size >= 1 and size % 1 == 0):
         shown = ":".join(map(str, words))
         raise UsageError(
             f"{quote(f'{name}={shown}')} is no axis of a grid",

@@ -27,7 +27,7 @@ def check_suffix(path: Path) -> None:
     if path.suffix.lower() not in _UNDATED:
         raise UsageError(
             f"cannot draw {quote(str(path))}: a picture's format is told by its suffix",
-            remedy=f"name it {cut(path.stem or 'picture')}.svg, .png or .pdf",
+            remedy=f"name it {cut(path.stem.lstrip('.') or 'picture')}.svg, .png or .pdf",
         )
 
 

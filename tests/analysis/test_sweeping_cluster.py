@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from threading import Thread
 
@@ -30,18 +30,19 @@ def local_cluster(workers: int = 2, *, deaths: int = 3):
     import dask
     from distributed import LocalCluster
 
-    with (
-        dask.config.set(
-            {
-                "distributed.comm.timeouts.connect": "2s",  # how long it looks for a worker that is dead
-                "distributed.scheduler.allowed-failures": deaths,  # of workers that were at a task
-            }
-        ),
-        LocalCluster(
+    settings = {
+        "distributed.comm.timeouts.connect": "2s",  # how long it looks for a worker that is dead
+        "distributed.scheduler.allowed-failures": deaths,  # of workers that were at a task
+    }
+    with dask.config.set(settings):
+        local = LocalCluster(
             n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0", host="127.0.0.1"
-        ) as local,
-    ):
-        yield local
+        )
+        try:
+            yield local
+        finally:
+            with suppress(AssertionError):  # of distributed: a worker that it was just starting again cannot be ended
+                local.close()
 
 
 @pytest.fixture(scope="module")

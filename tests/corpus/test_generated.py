@@ -134,7 +134,7 @@ def test_20000_tips_at_the_end_of_the_longest_chain_stay_in_time_and_memory(tmp_
     joints = [joint(f"j{i}", f"l{i - 1}", f"l{i}", "revolute") for i in range(1, 301)]
     joints += [joint(f"j{i}", "l300", f"l{i}") for i in range(301, 20_000)]
     run = ask("info", written(tmp_path, robot(links + joints)))
-    assert_clean(run)
+    assert_clean(run, seconds=30.0)  # 4 on a machine that does nothing else; what gets out of hand takes minutes
     assert run.exit_code == 0, run.err
 
 

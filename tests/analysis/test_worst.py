@@ -262,3 +262,12 @@ def test_the_worst_of_many_joints_is_found_from_other_samples_too(source):
     one, other = (ks.worst_torques(model, zero(model), samples=2000, seed=seed) for seed in (0, 1))
     largest = np.max(np.abs(one.torques))
     assert np.allclose(np.abs(one.torques), np.abs(other.torques), rtol=5e-3, atol=1e-6 * largest)
+
+
+def test_screws_without_end_are_taken_within_half_a_turn():
+    """What a screw lifts may grow without end: the answer is of a range, and says so."""
+    model = ks.load("textbook:modern_robotics_hhhh")
+    found = ks.worst_torques(model, np.zeros(model.robot.nq))
+    assert np.all(np.isfinite(found.torques))
+    assert found.certificate.agree
+    assert any("taken within half a turn" in warning for warning in found.warnings)

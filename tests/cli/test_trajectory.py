@@ -146,7 +146,7 @@ def test_times_are_whole_however_long_it_takes(asked):
     ratios = [float(row[4]) for row in table_rows]
     assert ratios == sorted(ratios)
     assert all(re.fullmatch(r"\d+\.\d+", cell) for row in table_rows for cell in row[1:4])
-    assert "1, 2, 3, 4, 5, 6, 7, 8, 9, 10: joint2 = 0" in page
+    assert "1, 2, 3, 4, 5, 6, 7, 8, 9, 10: elbow: joint2 = 0" in page
 
 
 def test_what_a_singularity_costs_is_told_in_words_and_only_with_time(asked):

@@ -99,7 +99,7 @@ def map_(
     y, z: reach_count, best_singular_value, mean_singular_value, orientation_coverage, directions. Bit i of directions
     is row i of direction_axes (58, 3), of the .npz as x, y, z (middles of voxels) and about (JSON) are.
 
-    Example: kinetostat map example:ur5_robot -f tool0 --approach 0,0,-1
+    Example: kinetostat map example:ur5_robot -f tool0 --axes xyz
     """
     from kinetostat.analysis.capability.capability_map import capability_map
     from kinetostat.analysis.held import held_joints
@@ -115,6 +115,8 @@ def map_(
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
     rest = asked_configuration(model, at)
+    if at.config == "zero":  # nobody asked for it: where joints are at zero that do not move the tool, does not matter
+        rest = replace(rest, warnings=())
     wanted = None if poses is None else _poses(poses, at, axes)
     with runs.running(run) as how:
         result = capability_map(

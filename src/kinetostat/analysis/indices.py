@@ -20,7 +20,7 @@ def inverse_condition_number(values: Array) -> Array:
     """Return s_k / s_1 in [0, 1], 0 where s_1 is 0, of descending singular values. (..., k) -> (...)."""
     largest = values[..., 0]
     found: Array = np.divide(values[..., -1], largest, out=np.zeros(largest.shape), where=largest > ROUNDING)
-    return found
+    return np.minimum(found, 1.0)  # equal ones may be out of order in their last digit
 
 
 def isotropy(values: Array) -> Array:

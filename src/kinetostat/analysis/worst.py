@@ -160,12 +160,18 @@ def _drawn(robot: Robot, q: Array, joints: Sequence[Joint], samples: int, seed: 
 
 
 def _about_ranges(joints: Sequence[Joint]) -> list[str]:
-    """Return what is to be said of slides without limits, and of joints that their limits lock."""
-    endless = [j.name for j in joints if not j.type.is_angle and max(map(abs, j.limit.range)) > NO_LIMIT]
+    """Return what is to be said of slides and screws without limits, and of joints that their limits lock."""
+    free = [j for j in joints if max(map(abs, j.limit.range)) > NO_LIMIT]
+    endless, screws = (
+        [j.name for j in free if not j.type.is_angle],
+        [j.name for j in free if j.type.is_angle and j.pitch],
+    )
     locked = [j.name for j in joints if j.limit.range[0] == j.limit.range[1]]
     lines = []
     if endless:
         lines.append(f"no limits of {_named(endless)}: taken within 1 m, on which the answer depends")
+    if screws:
+        lines.append(f"no limits of {_named(screws)}: taken within half a turn, on which the answer depends")
     if locked:
         lines.append(f"the limits of {_named(locked)} are one position: locked there")
     return lines

@@ -110,10 +110,10 @@ class WorstClimb:
 
     @cached_property
     def _bounds(self) -> list[tuple[float, float]]:
-        """The ends that each joint is kept between: none where a turn is without limits."""
+        """The ends that each joint is kept between: none where a turn, that does not advance, is without limits."""
         return [
             (-math.inf, math.inf)
-            if joint.type.is_angle and max(map(abs, joint.limit.range)) > NO_LIMIT
+            if joint.type.is_angle and not joint.pitch and max(map(abs, joint.limit.range)) > NO_LIMIT
             else position_range(self._robot, joint)
             for joint in self._joints
         ]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["map_about", "map_result", "map_view", "placement_result", "placement_view"]
 
 _PERCENTS = {"min": 0, "5 %": 5, "median": 50, "95 %": 95, "max": 100}
+_HOLLOW = 0.1  # share of further configurations that would reach new voxels
 _DIGITS = 9  # decimal places of positions in m: voxels' middles are multiples of their size but for rounding
 
 
@@ -103,6 +104,8 @@ def _notes(result: CapabilityMap, at: Configuration, degrees: bool) -> list[str]
     )
     unseen = f"about {100 * result.unseen_share:.2g} % of further configurations would reach a new voxel"
     notes = [low, f"{unseen}; {result.counted / result.voxels:.3g} a voxel so far"]
+    if result.unseen_share > _HOLLOW:
+        notes.append("the map has holes, and its volume is far too small: it wants ten times as many --samples")
     notes += _asked_notes(result)
     if result.approach is None and _one_direction(result):
         notes.append(f"the z axis of {cut(result.velocity.of)} points about one way only")
@@ -126,7 +129,7 @@ def _asked_notes(result: CapabilityMap) -> list[str]:
         way = ", ".join(f"{part:.4g}" for part in result.approach)
         notes.append(
             f"only configurations with the z axis of {cut(result.velocity.of)} within {APPROACH:g} degrees of ({way}): "
-            f"{result.counted:,} of {result.count:,}; more --samples fill holes"
+            f"{result.counted:,} of {result.count:,}"
         )
     return notes
 

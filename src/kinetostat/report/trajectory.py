@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -163,7 +163,7 @@ def _why_table(result: Trajectory, spans: Sequence[NearSpan], degrees: bool) -> 
     """Return the causes, each with the numbers of the stretches that it is about, and how far they stay from it."""
     numbers: dict[str, list[int]] = {}
     for i, span in enumerate(spans, start=1):
-        numbers.setdefault(_why(span, degrees), []).append(i)
+        numbers.setdefault(_why(result, span, degrees), []).append(i)
     found: list[tuple[Cell, ...]] = []
     for why, about in numbers.items():
         known = [span.distance for i in about if (span := spans[i - 1]).distance is not None]
@@ -173,21 +173,26 @@ def _why_table(result: Trajectory, spans: Sequence[NearSpan], degrees: bool) -> 
     return Table(("",), tuple(found), title=f"why{slides}", words=True)
 
 
-def _why(span: NearSpan, degrees: bool) -> str:
-    """Return the cause of a stretch in words."""
+def _why(result: Trajectory, span: NearSpan, degrees: bool) -> str:
+    """Return the name of a stretch's cause, where custom has one, and the cause in words."""
     if span.cause is None:
         return "no singular configuration was found nearby"
-    parts = [_condition(span.cause, degrees), *(cause.text for cause in span.cause.causes[:2])]
-    return ", ".join(part for part in parts if part) or "motions are dependent"
+    here = dict(zip(result.columns, map(float, result.q[span.worst]), strict=False))
+    parts = [_condition(span.cause, here, degrees), *(cause.text for cause in span.cause.causes[:2])]
+    why = ", ".join(part for part in parts if part) or "motions are dependent"
+    return why if span.cause.name is None else f"{span.cause.name}: {why}"
 
 
-def _condition(cause: SingularAt, degrees: bool) -> str:
-    """Return the positions of joints that make it singular by themselves."""
-    arm = cause.mechanism
-    words = [
-        condition_words(arm, one.positions, tuple(one.positions), len(one.positions), degrees=degrees)
-        for one in cause.conditions
-    ]
+def _condition(cause: SingularAt, here: Mapping[str, float], degrees: bool) -> str:
+    """Return the positions of joints that make it singular by themselves, by whole turns as near to these as can be."""
+    arm, words = cause.mechanism, list[str]()
+    turning = {name for name, turns in zip(arm.names, arm.periodic, strict=True) if turns}
+    for one in cause.conditions:
+        near = {
+            name: value + 2 * math.pi * round((here.get(name, value) - value) / (2 * math.pi)) * (name in turning)
+            for name, value in one.positions.items()
+        }
+        words.append(condition_words(arm, near, tuple(near), len(near), degrees=degrees))
     return " or ".join(words)
 
 

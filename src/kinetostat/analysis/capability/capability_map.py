@@ -150,12 +150,12 @@ class CapabilityMap:
 
     @property
     def unseen_share(self) -> float:
-        """How likely a further configuration is to reach a voxel that none has reached, about.
+        """How likely a further configuration that counts is to reach a voxel that none has reached, about.
 
         The share of voxels reached once among configurations: I. Good, "The population frequencies of species and the
         estimation of population parameters", Biometrika 40, 1953 (after A. Turing).
         """
-        return int(np.count_nonzero(self.reach_count == 1)) / max(self.count, 1)
+        return int(np.count_nonzero(self.reach_count == 1)) / max(self.counted, 1)
 
     def configurations(self, index: Any, q: Array) -> Array:
         """Return the configuration of the whole robot that is the best of each voxel; q where nothing reaches it.

@@ -40,6 +40,8 @@ __all__ = [
     "RelativeToOption",
     "RobotOptions",
     "RunOptions",
+    "TaskAxes",
+    "TaskReferenceOption",
     "XacroArgOption",
     "grouped",
     "joined_axes",
@@ -52,6 +54,13 @@ class Format(StrEnum):
     TABLE = "table"
     JSON = "json"
     CSV = "csv"
+
+
+class TaskAxes(StrEnum):
+    """In whose axes the rows of a task are: those of a tool point have no other."""
+
+    ALIGNED = "aligned"
+    LOCAL = "local"
 
 
 class Base(StrEnum):
@@ -99,6 +108,12 @@ ReferenceOption = Annotated[
     typer.Option(
         help="aligned: the frame's origin, observer's axes. local: its origin, its own axes. "
         "world: the point at the observer's origin, observer's axes."
+    ),
+]
+TaskReferenceOption = Annotated[
+    TaskAxes,
+    typer.Option(
+        "--reference", help="aligned: --axes are the observer's. local: the tool frame's own, such as a weld's."
     ),
 ]
 AxesOption = Annotated[

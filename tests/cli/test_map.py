@@ -210,7 +210,7 @@ def test_oriented_poses_of_a_real_arm(cli, tmp_path):
         (("--approach", "0,0,0"), "an approach is a direction"),
         (("--approach", "nan,0,1"), "--approach"),
         (("--approach", "1,0,0", "--samples", "10"), "none of 10 configurations"),
-        (("--reference", "world"), "reference aligned or local"),
+        (("--reference", "world"), "'aligned', 'local'"),
         (("-o", "map.csv"), "-F csv"),
         (("-o", "map.json"), "-F json"),
         (("-o", "map.json", "-F", "csv"), "-F json"),

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from kinetostat.conventions import Reference
 from kinetostat_cli import runs
 from kinetostat_cli.console import Answer, asked_configuration, load, progress_bar, refuse, triple, warn, write_answer
 from kinetostat_cli.options import (
@@ -18,10 +17,11 @@ from kinetostat_cli.options import (
     FrameOption,
     OutputOptions,
     PointOption,
-    ReferenceOption,
     RelativeToOption,
     RobotOptions,
     RunOptions,
+    TaskAxes,
+    TaskReferenceOption,
     grouped,
 )
 
@@ -55,7 +55,7 @@ def map_(
         typer.Option(metavar="SIZE", help="Edge of a voxel in m. Default: near a twentieth of the reach."),
     ] = None,
     axes: AxesOption = None,
-    reference: ReferenceOption = Reference.ALIGNED,
+    reference: TaskReferenceOption = TaskAxes.ALIGNED,
     length: Annotated[
         str,
         typer.Option(
@@ -127,7 +127,7 @@ def map_(
             voxel=voxel,
             seed=seed,
             axes=axes,
-            reference=reference,
+            reference=reference.value,
             length=length,  # type: ignore[arg-type]
             approach=triple(approach, "--approach"),
             relative_to=relative_to,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kinetostat.conventions import Array, Reference
+from kinetostat.conventions import Array
 from kinetostat_cli import completion
 from kinetostat_cli.console import Answer, configuration, load, progress_bar, triple, write_answer
 from kinetostat_cli.options import (
@@ -19,6 +19,8 @@ from kinetostat_cli.options import (
     PointOption,
     RelativeToOption,
     RobotOptions,
+    TaskAxes,
+    TaskReferenceOption,
     grouped,
 )
 
@@ -26,10 +28,6 @@ if TYPE_CHECKING:
     from kinetostat import SingularFamilies
 
 __all__ = ["register"]
-
-_TaskReference = Annotated[
-    Reference, typer.Option(help="aligned: --axes are the observer's. local: the tool frame's, such as a weld's.")
-]
 
 
 @grouped
@@ -41,7 +39,7 @@ def at(
     relative_to: RelativeToOption = None,
     point: PointOption = None,
     axes: AxesOption = None,
-    reference: _TaskReference = Reference.ALIGNED,
+    reference: TaskReferenceOption = TaskAxes.ALIGNED,
 ) -> None:
     """Say whether a configuration is singular, and why.
 
@@ -63,7 +61,7 @@ def at(
         relative_to=relative_to,
         point=triple(point, "--point"),
         axes=axes,
-        reference=reference,
+        reference=reference.value,
     )
     write_answer(
         Answer(
@@ -88,7 +86,7 @@ def find(
     relative_to: RelativeToOption = None,
     point: PointOption = None,
     axes: AxesOption = None,
-    reference: _TaskReference = Reference.ALIGNED,
+    reference: TaskReferenceOption = TaskAxes.ALIGNED,
     starts: Annotated[int, typer.Option(metavar="N", help="How many searches are made.")] = 1000,
     seed: Annotated[int, typer.Option(min=0, metavar="N", help="Seed of the random numbers.")] = 0,
     plot: Annotated[
@@ -132,7 +130,7 @@ def find(
             relative_to=relative_to,
             point=triple(point, "--point"),
             axes=axes,
-            reference=reference,
+            reference=reference.value,
             starts=starts,
             seed=seed,
             progress=progress,

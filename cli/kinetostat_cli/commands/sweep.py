@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from kinetostat.conventions import Reference
 from kinetostat_cli import completion, runs
 from kinetostat_cli.console import load, refuse, say, triple, warn
 from kinetostat_cli.endings import refuse_ending
@@ -20,10 +19,11 @@ from kinetostat_cli.options import (
     FrameOption,
     OutputOptions,
     PointOption,
-    ReferenceOption,
     RelativeToOption,
     RobotOptions,
     RunOptions,
+    TaskAxes,
+    TaskReferenceOption,
     grouped,
 )
 from kinetostat_cli.payloads import PayloadOption, payload_of
@@ -102,7 +102,7 @@ def sweep(
     ] = "auto",
     relative_to: RelativeToOption = None,
     point: PointOption = None,
-    reference: ReferenceOption = Reference.ALIGNED,
+    reference: TaskReferenceOption = TaskAxes.ALIGNED,
     payload: PayloadOption = None,
     gravity_vector: Annotated[
         str | None,
@@ -176,7 +176,7 @@ def sweep(
         length=length,
         relative_to=relative_to,
         point=triple(point, "--point"),
-        reference=reference,
+        reference=reference.value,
         payload=payload_of(payload, tip),
         gravity=triple(gravity_vector, "--gravity-vector") or True,
         limits=_limits(_joined(effort_limits)),

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from kinetostat.conventions import Reference
 from kinetostat_cli import completion
 from kinetostat_cli.console import (
     Answer,
@@ -29,9 +28,10 @@ from kinetostat_cli.options import (
     FrameOption,
     OutputOptions,
     PointOption,
-    ReferenceOption,
     RelativeToOption,
     RobotOptions,
+    TaskAxes,
+    TaskReferenceOption,
     grouped,
 )
 from kinetostat_cli.payloads import PayloadOption, payload_of
@@ -62,7 +62,7 @@ def trajectory(
         ),
     ],
     frame: FrameOption = None,
-    reference: ReferenceOption = Reference.ALIGNED,
+    reference: TaskReferenceOption = TaskAxes.ALIGNED,
     relative_to: RelativeToOption = None,
     point: PointOption = None,
     axes: AxesOption = None,
@@ -128,7 +128,7 @@ def trajectory(
             recording.time,
             relative_to=relative_to,
             point=triple(point, "--point"),
-            reference=reference,
+            reference=reference.value,
             axes=axes,
             length=cast("Any", length),
             gravity=True if down is None else down,

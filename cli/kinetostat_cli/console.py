@@ -23,6 +23,7 @@ __all__ = [
     "asked_configuration",
     "configuration",
     "exit_if_apart",
+    "held_configuration",
     "load",
     "opened",
     "progress_bar",
@@ -127,6 +128,15 @@ def asked_configuration(model: Model, at: ConfigurationOptions) -> Configuration
         wanted, in_radians = read_values(at.config[1:])
         degrees = degrees and not in_radians
     return kinetostat.configuration(model, wanted, degrees=degrees, quaternion_first=at.quat.value[0])
+
+
+def held_configuration(model: Model, at: ConfigurationOptions) -> Configuration:
+    """Return where joints are held that something else does not move, with its warnings, which are not said yet.
+
+    Zero is what nobody asked for: nothing is said of joints that are outside their limits there.
+    """
+    found = asked_configuration(model, at)
+    return replace(found, warnings=()) if at.config == "zero" else found
 
 
 def triple(text: str | None, option: str) -> tuple[float, float, float] | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from kinetostat_cli import runs
-from kinetostat_cli.console import Answer, asked_configuration, load, progress_bar, refuse, triple, warn, write_answer
+from kinetostat_cli.console import Answer, held_configuration, load, progress_bar, refuse, triple, warn, write_answer
 from kinetostat_cli.options import (
     AxesOption,
     ConfigurationOptions,
@@ -114,9 +114,7 @@ def map_(
     _check_output(output)
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
-    rest = asked_configuration(model, at)
-    if at.config == "zero":  # nobody asked for it: where joints are at zero that do not move the tool, does not matter
-        rest = replace(rest, warnings=())
+    rest = held_configuration(model, at)
     wanted = None if poses is None else _poses(poses, at, axes)
     with runs.running(run) as how:
         result = capability_map(

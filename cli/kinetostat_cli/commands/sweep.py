@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from kinetostat_cli import completion, runs
-from kinetostat_cli.console import load, refuse, say, triple, warn
+from kinetostat_cli.console import held_configuration, load, refuse, say, triple, warn
 from kinetostat_cli.endings import refuse_ending
 from kinetostat_cli.options import (
     AxesOption,
@@ -160,7 +159,7 @@ def sweep(
         check_suffix(plot)
     model = load(robot, output)
     tip = model.robot.frame(frame or model.robot.default_tip())
-    q = _held(model, at)
+    q = held_configuration(model, at)
     listed = _listed(model, trajectory, q, at)
     work = _work(
         model,
@@ -200,22 +199,6 @@ def sweep(
         question.say_of_rows(result)
     else:
         question.write_summary(result)
-
-
-def _held(model: Model, at: ConfigurationOptions) -> Configuration:
-    """Return where joints are held that are not swept."""
-    import kinetostat
-
-    wanted: Any = at.config
-    degrees = at.deg
-    if at.config == "zero":  # nobody asked for it: what is outside limits there, is swept
-        return replace(kinetostat.configuration(model, "zero"), warnings=())
-    if at.config.startswith("@"):
-        from kinetostat_cli.values import read_values
-
-        wanted, in_radians = read_values(at.config[1:])
-        degrees = degrees and not in_radians
-    return kinetostat.configuration(model, wanted, degrees=degrees, quaternion_first=at.quat.value[0])
 
 
 def _of_held(work: SweepWork, q: Configuration) -> Configuration:

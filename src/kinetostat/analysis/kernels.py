@@ -7,10 +7,10 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from kinetostat.analysis.coordinates import Coordinates
-from kinetostat.analysis.jacobian import checked_point
-from kinetostat.analysis.loads import Payload, checked_gravity, effort_limits
+from kinetostat.analysis.loads import Payload, checked_gravity, effort_limits, point_masses
 from kinetostat.analysis.statics import refuse_negative_masses
 from kinetostat.analysis.task import FULL, Task
+from kinetostat.analysis.typical_length import length_factors
 from kinetostat.conventions import Array
 from kinetostat.engines.screw import ScrewEngine
 from kinetostat.screw.kernel import Kernel, named
@@ -37,7 +37,7 @@ def chain_kernel(
         outputs: names of `screw.kernel.OUTPUTS`.
         rest: where all other joints are, (nq,).
         task: the rows that count.
-        length: the characteristic length in m: linear rows, and slides, in units of it. None mixes m and rad.
+        length: the characteristic length in m, see `length_factors`. None mixes m and rad.
         local: rows in the tool's axes.
         gravity: True (9.81 m/s2 down the root's z) or a vector (3,), m/s2.
         payload: a mass that weighs with the links.
@@ -53,18 +53,14 @@ def chain_kernel(
     efforts: Array = np.full((2, n), np.nan)
     if {"gravity_torque", "effort_use"} & set(wanted):
         refuse_negative_masses(coordinates.model)
-        held = []
-        if payload is not None:
-            held = [(robot.frame(payload.frame), payload.mass, np.array(checked_point(payload.point)))]
-        tree = ScrewEngine(robot).tree(coordinates.names, rest, held)
+        tree = ScrewEngine(robot).tree(coordinates.names, rest, point_masses(robot, payload))
         given, columns = effort_limits(robot, limits), robot.velocity_columns(dict.fromkeys(coordinates.joints))
         efforts = np.stack([given.lower[columns], given.upper[columns]])
     return Kernel(
         coordinates.chain,
         wanted,
         task.rows,
-        None if length is None else np.array([1 / length] * 3 + [1.0] * 3),
-        None if length is None else np.where(coordinates.turning, 1.0, length),
+        *length_factors(coordinates, task, length),
         local,
         tree,
         checked_gravity(gravity),

@@ -28,6 +28,7 @@ __all__ = [
     "force_scale",
     "load_at",
     "load_scale",
+    "point_masses",
 ]
 
 SEVERAL_COORDINATES = "a joint with several coordinates has no effort limit"
@@ -106,6 +107,18 @@ def carried(robot: Robot, payload: Payload | None, gravity: Array) -> list[Load]
         raise UsageError(f"a payload is between 0 and {_MOST_FORCE:g} kg, not {payload.mass:g}")
     weight = np.concatenate([-payload.mass * gravity, np.zeros(3)])
     return [Load(Velocity(robot.frame(payload.frame), robot.root, robot.root, checked_point(payload.point)), weight)]
+
+
+def point_masses(robot: Robot, payload: Payload | None) -> list[tuple[str, float, Array]]:
+    """Return a payload as masses that weigh with the links: link, kg, where in the link (3,), m; none for no payload.
+
+    Raises:
+        UnknownNameError: no such frame.
+        UsageError: not a point.
+    """
+    if payload is None:
+        return []
+    return [(robot.frame(payload.frame), payload.mass, np.array(checked_point(payload.point)))]
 
 
 def load_scale(robot: Robot, q: Array, loads: Sequence[Load]) -> float:

@@ -74,6 +74,13 @@ class Task:
         """Whether it mixes metres and radians."""
         return bool(self.linear and self.angular)
 
+    def mixes(self, turning: Sequence[bool]) -> bool:
+        """Return whether metres and radians meet: in the rows, or in the columns of rows that slides move.
+
+        `turning` says which columns are of joints that turn.
+        """
+        return self.mixed or (bool(self.linear) and len(set(turning)) > 1)
+
     @property
     def row_names(self) -> tuple[str, ...]:
         """Names of its rows."""

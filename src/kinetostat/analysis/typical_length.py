@@ -9,9 +9,10 @@ import numpy as np
 from kinetostat.analysis.coordinates import Coordinates
 from kinetostat.analysis.sweeping.samples import halton_source
 from kinetostat.analysis.task import Task, characteristic_length
+from kinetostat.conventions import Array
 from kinetostat.errors import UsageError, quote
 
-__all__ = ["asked_length", "typical_length"]
+__all__ = ["asked_length", "length_factors", "typical_length"]
 
 _CONFIGURATIONS = 4096
 _SHORTEST, _LONGEST = 1e-9, 1e9  # m
@@ -33,7 +34,7 @@ def typical_length(coordinates: Coordinates, task: Task) -> float | None:
         L; None where neither the rows nor the columns mix metres and radians, or where there is no such length: no
         joint turns, every axis passes through the point, no turn moves a linear row that counts.
     """
-    if not _mixes(coordinates, task):
+    if not task.mixes(coordinates.turning):
         return None
     matrices = coordinates.chain.jacobian(halton_source(coordinates, _CONFIGURATIONS).rows(0, _CONFIGURATIONS))
     columns = np.concatenate(list(np.moveaxis(matrices, -1, 0)), axis=0)  # (n m, 6)
@@ -42,9 +43,16 @@ def typical_length(coordinates: Coordinates, task: Task) -> float | None:
     return length if length > _NONE * coordinates.model.robot.reach else None
 
 
-def _mixes(coordinates: Coordinates, task: Task) -> bool:
-    """Return whether rows mix metres and radians, or columns do in rows that slides move."""
-    return task.mixed or (bool(task.linear) and len(set(coordinates.turning)) > 1)
+def length_factors(coordinates: Coordinates, task: Task, length: float | None) -> tuple[Array | None, Array | None]:
+    """Return what rows (6,) and columns (n,) of a Jacobian are multiplied by so that its entries are comparable.
+
+    As in `manipulability`: linear rows are divided by L where the task mixes metres and radians; a slide counts as an
+    angle q / L where the rows or the columns mix them. None for factors of one, and where there is no length.
+    """
+    if length is None or not task.mixes(coordinates.turning):
+        return None, None
+    rows = np.array([1 / length] * 3 + [1.0] * 3) if task.mixed else None
+    return rows, np.where(coordinates.turning, 1.0, length)
 
 
 def asked_length(coordinates: Coordinates, task: Task, wanted: float | str) -> tuple[float | None, str]:
@@ -65,7 +73,7 @@ def asked_length(coordinates: Coordinates, task: Task, wanted: float | str) -> t
         if length is not None:
             shown = " ".join(task.row_names) if task.mixed and task.name == "task" else "all rows"
             return length, f"auto: equal weight of linear and angular parts over configurations inside limits ({shown})"
-        if not _mixes(coordinates, task):
+        if not task.mixes(coordinates.turning):
             return None, "auto: none is needed, nothing mixes metres and radians"
         return None, "auto: there is none, no turn moves a linear row that counts"
     try:

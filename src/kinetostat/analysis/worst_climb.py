@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from kinetostat.analysis.configuration import NO_LIMIT, position_range
-from kinetostat.analysis.jacobian import checked_point
-from kinetostat.analysis.loads import Payload, carried
+from kinetostat.analysis.loads import Payload, carried, point_masses
 from kinetostat.analysis.torque_ascent import TorqueAscent
 from kinetostat.analysis.worst_samples import compiled_torques, worst_samples
 from kinetostat.conventions import Array
@@ -100,10 +99,7 @@ class WorstClimb:
 
     @cached_property
     def _tree(self) -> Tree:
-        held = []
-        if self._payload is not None:
-            point = np.array(checked_point(self._payload.point))
-            held = [(self._robot.frame(self._payload.frame), self._payload.mass, point)]
+        held = point_masses(self._robot, self._payload)
         return ScrewEngine(self._robot).tree([joint.name for joint in self._joints], self._rest, held)
 
     # --- climbs ------------------------------------------------------------------------------------------------------

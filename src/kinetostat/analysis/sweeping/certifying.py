@@ -11,9 +11,9 @@ import numpy as np
 from kinetostat.analysis.coordinates import Coordinates
 from kinetostat.analysis.crosscheck import Certificate, length_scale
 from kinetostat.analysis.loads import Payload, carried, force_scale, load_scale
+from kinetostat.analysis.planar import by_coordinates, planar_places, rotated
 from kinetostat.conventions import Array, Load, Velocity, tolerance
 from kinetostat.screw.kernel import Kernel, effort_use
-from kinetostat.urdf.description import JointType
 
 __all__ = ["UNCHECKED", "RowWitness", "row_witness"]
 
@@ -109,7 +109,7 @@ class RowWitness:
         if wanted & set(_TORQUES):
             gravity = np.zeros(3) if self.kernel.gravity is None else self.kernel.gravity
             torques = engine.holding_torques(whole, gravity, self.loads)[..., self._columns]
-            found["gravity_torque"] = self._by_coordinate(torques, q)
+            found["gravity_torque"] = by_coordinates(torques, q, self.coordinates)
             limits = self.kernel.effort_limits
             if "effort_use" in wanted and limits is not None:
                 found["effort_use"] = effort_use(found["gravity_torque"], limits)
@@ -124,7 +124,7 @@ class RowWitness:
     def _jacobians(self, whole: Array, q: Array, along: Array | None) -> dict[str, Array]:
         """Return Jacobian, singular values and their product, and gradients, along directions (d, n), if compared."""
         own = self.coordinates.model.engine.jacobian(whole, self.velocity)[..., self._columns]
-        jacobian = self._by_coordinate(own, q)
+        jacobian = by_coordinates(own, q, self.coordinates)
         u, s, vt = np.linalg.svd(self.kernel.weighed(jacobian), full_matrices=False)
         count = self.kernel.values
         magnified = np.maximum(1.0, count * s[:, 0] ** (count - 1))
@@ -133,7 +133,7 @@ class RowWitness:
             along = np.eye(q.shape[1]) if along is None else along
             # d(J W)/dt = dJ/dt W + J dW/dt; (k, d, 6, n) -> (k, 6, n, d)
             rates = self._jacobian_rates(whole, q, along)
-            derivative = self._by_coordinate(rates, q) + self._turned(own, q, along)
+            derivative = by_coordinates(rates, q, self.coordinates) + self._turned(own, q, along)
             weighed = self.kernel.weighed(np.moveaxis(derivative, 1, -1), columns_at=-2)
             slopes = np.einsum("kri,krcj,kic->kij", u, weighed, vt)
             found |= _gradients(s, slopes, magnified)
@@ -143,37 +143,17 @@ class RowWitness:
         """Return how the engine's columns change while coordinates move along directions. (d, n) -> (k, d, 6, n)."""
         rates = np.zeros((len(q), len(along), self.coordinates.model.robot.nv))
         moved = np.tile(along, (len(q), 1, 1))
-        for j in self._planar:
-            moved[..., j : j + 2] = _rotated(moved[..., j : j + 2], -q[:, j + 2])
+        for j in planar_places(self.coordinates):
+            moved[..., j : j + 2] = rotated(moved[..., j : j + 2], -q[:, j + 2])
         rates[..., self._columns] = moved
         found: Array = self.coordinates.model.engine.jacobian_rate(whole[:, None, :], rates, self.velocity)
         return found[..., self._columns]
 
-    # The engine's rates are W times those of the coordinates: W is 1 but for planar joints, whose rates are a twist in
-    # the moved link's axes: (vx, vy) = R(-theta) d(x, y)/dt.
-
-    @property
-    def _planar(self) -> list[int]:
-        """Where coordinates of planar joints begin: x, y, theta."""
-        found, j = list[int](), 0
-        for joint in dict.fromkeys(self.coordinates.joints):
-            if joint.type is JointType.PLANAR:
-                found.append(j)
-            j += joint.type.nq
-        return found
-
-    def _by_coordinate(self, columns: Array, q: Array) -> Array:
-        """Return M W of engine's columns M. (k, ..., n), (k, n) -> (k, ..., n)."""
-        found = columns.copy()
-        for j in self._planar:
-            found[..., j : j + 2] = _rotated(columns[..., j : j + 2], q[:, j + 2])
-        return found
-
     def _turned(self, columns: Array, q: Array, along: Array) -> Array:
         """Return M dW/dt of engine's columns M while coordinates move along directions. (d, n) -> (k, d, 6, n)."""
         found = np.zeros((len(q), len(along), *columns.shape[1:]))
-        for j in self._planar:
-            turned = _rotated(columns[..., j : j + 2], q[:, j + 2] + np.pi / 2)  # dR/dtheta is R, a quarter turn on
+        for j in planar_places(self.coordinates):
+            turned = rotated(columns[..., j : j + 2], q[:, j + 2] + np.pi / 2)  # dR/dtheta is R, a quarter turn on
             found[..., j : j + 2] = along[:, j + 2, None, None] * turned[:, None]
         return found
 
@@ -201,14 +181,6 @@ class RowWitness:
                     distance = np.fmin(distance, np.fmin((value - low) / half, (high - value) / half))
                     scale = np.fmax(scale, (abs(low) + abs(high) + np.abs(value)) / half)
         return {"limit_distance": distance, "limit_distance scale": np.where(scale < _NARROW, scale, np.inf)}
-
-
-def _rotated(pairs: Array, angle: Array) -> Array:
-    """Return plane vectors turned. (k, ..., 2), (k,) -> (k, ..., 2)."""
-    angle = angle.reshape(-1, *(1,) * (pairs.ndim - 2))
-    c, s = np.cos(angle), np.sin(angle)
-    x, y = pairs[..., 0], pairs[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y], -1)
 
 
 def _gradients(values: Array, slopes: Array, magnified: Array) -> dict[str, Array]:

@@ -29,12 +29,10 @@ from kinetostat.analysis.sweeping.samples import (
     random_source,
 )
 from kinetostat.analysis.sweeping.sweep_work import SweepWork
-from kinetostat.analysis.task import Task
 from kinetostat.analysis.typical_length import asked_length
 from kinetostat.conventions import Array, Reference
 from kinetostat.engines.model import Model
 from kinetostat.errors import ConfigurationError, UsageError, cut, quote, unknown_name
-from kinetostat.screw.kernel import Kernel
 
 __all__ = ["DEFAULT", "sweep_work"]
 
@@ -100,6 +98,7 @@ def sweep_work(
         outputs,
         rest,
         task=task,
+        length=size,
         local=reference is Reference.LOCAL,
         gravity=gravity,
         payload=payload,
@@ -115,7 +114,7 @@ def sweep_work(
             f"the rank of the {len(task.rows)} rows is {rank} at almost every configuration: so many singular values "
             "count (--axes chooses rows)"
         )
-    kernel = replace(_scaled(kernel, chain, task, size), rank=rank)
+    kernel = replace(kernel, rank=rank)
     return SweepWork(
         source,
         wanted,
@@ -132,22 +131,6 @@ def sweep_work(
         seed,
         rows,
         tuple(warnings),
-    )
-
-
-def _scaled(kernel: Kernel, chain: Coordinates, task: Task, length: float | None) -> Kernel:
-    """Return the kernel with rows and columns made comparable by the length where they are not.
-
-    As in `manipulability`: a slide counts as an angle q / L where the task or the columns mix m and rad; linear rows
-    are divided by L where the task does.
-    """
-    if length is None:
-        return kernel
-    mixed_columns = len(set(chain.turning)) > 1
-    return replace(
-        kernel,
-        row_factors=np.array([1 / length] * 3 + [1.0] * 3) if task.mixed else None,
-        column_factors=np.where(chain.turning, 1.0, length) if task.mixed or mixed_columns else None,
     )
 
 

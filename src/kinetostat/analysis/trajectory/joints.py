@@ -13,7 +13,7 @@ from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, quote
 from kinetostat.urdf.description import Joint, JointType
 
-__all__ = ["by_coordinates", "moved_joints", "speed_limits", "unwound"]
+__all__ = ["moved_joints", "speed_limits", "unwound"]
 
 
 def moved_joints(chain: Coordinates, q: Array) -> Coordinates:
@@ -73,20 +73,3 @@ def _stated(joint: Joint) -> float:
     """Return a velocity limit; zero is written for "not known"."""
     speed = joint.limit.velocity if joint.type.nv == 1 else None
     return speed if speed is not None and speed > 0 else float("nan")
-
-
-def by_coordinates(values: Array, q: Array, joints: Coordinates) -> Array:
-    """Return columns by velocity coordinates as columns by rates of position. (k, ..., n), (k, n) -> (k, ..., n).
-
-    They differ for planar joints alone, whose velocity is in the moved frame: v = R^T dx/dt.
-    """
-    if all(joint.type is not JointType.PLANAR for joint in joints.joints):
-        return values
-    found = values.copy()
-    for i in range(len(joints.joints) - 2):
-        if joints.joints[i].type is JointType.PLANAR and joints.names[i].endswith(".x"):
-            shape = (-1, *[1] * (values.ndim - 2))
-            c, s = np.cos(q[:, i + 2]).reshape(shape), np.sin(q[:, i + 2]).reshape(shape)
-            x, y = values[..., i], values[..., i + 1]
-            found[..., i], found[..., i + 1] = c * x - s * y, s * x + c * y
-    return found

@@ -10,7 +10,7 @@ import numpy as np
 from kinetostat.analysis.coordinates import Coordinates
 from kinetostat.analysis.crosscheck import Certificate, certified, combined, length_scale
 from kinetostat.analysis.loads import Payload, carried, force_scale, load_scale
-from kinetostat.analysis.trajectory.joints import by_coordinates
+from kinetostat.analysis.planar import by_coordinates
 from kinetostat.conventions import Array, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -26,7 +26,7 @@ from kinetostat.analysis.typical_length import asked_length
 from kinetostat.conventions import Array, Flags, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.errors import ConfigurationError, UsageError, quote
-from kinetostat.screw.kernel import Kernel, effort_use
+from kinetostat.screw.kernel import effort_use
 
 __all__ = ["Trajectory", "trajectory"]
 
@@ -233,10 +233,10 @@ def trajectory(
     label = Velocity.by_reference(Reference(reference), arm.velocity.of, observer, point=arm.point)
     chain = coordinates(model, arm.velocity.of, observer, arm.point)
     joints, (size, found_by) = moved_joints(chain, q), asked_length(chain, arm.task, length)
-    size = size if _mixes(arm) else None
+    size = size if arm.task.mixes(arm.turning) else None
     down, n = checked_gravity(gravity), len(chain.names)
     outputs = ["placement", "singular_values", "jacobian"]
-    tool = _scaled(chain_kernel(chain, outputs, q[0], task=arm.task, local=arm.local, gravity=False), arm, size)
+    tool = chain_kernel(chain, outputs, q[0], task=arm.task, length=size, local=arm.local, gravity=False)
     weighs = ["gravity_torque"] if np.any(down) else []
     loaded = chain_kernel(
         joints, ["limit_distance", *weighs], q[0], gravity=down, payload=payload if weighs else None, limits=limits
@@ -260,7 +260,7 @@ def trajectory(
     beyond = violations(joints, positions, steps, fastest, at.torque, efforts)
     shown = _sample(len(q), [span.worst for span in spans])
     proof = certificate(model, tool, loaded, joints, label, q[shown], len(q), payload)
-    warnings = [_MIXED] if length == "none" and _mixes(arm) else []
+    warnings = [_MIXED] if length == "none" and arm.task.mixes(arm.turning) else []
     return Trajectory(
         arm,
         label,
@@ -292,22 +292,6 @@ def _checked_time(time: Array | None, count: int) -> Array | None:
     if found.shape != (count,) or not np.all(np.isfinite(found)) or not np.all(np.diff(found) > 0):
         raise UsageError("time is one finite number for each sample, each after the one before", remedy="in s")
     return found if count > 1 else None
-
-
-def _mixes(arm: Mechanism) -> bool:
-    """Return whether metres and radians meet: in the rows, or in the columns of rows that slides move."""
-    return arm.task.mixed or (bool(arm.task.linear) and len(set(arm.turning)) > 1)
-
-
-def _scaled(tool: Kernel, arm: Mechanism, length: float | None) -> Kernel:
-    """Return the kernel with slides counted as angles q / L, and linear rows in units of L where rows are mixed."""
-    if length is None:
-        return tool
-    return replace(
-        tool,
-        row_factors=np.array([1 / length] * 3 + [1.0] * 3) if arm.task.mixed else None,
-        column_factors=np.where(arm.turning, 1.0, length),
-    )
 
 
 def _speeds(twist: Array | None, arm: Mechanism, length: float | None) -> Array | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,7 +81,7 @@ def measured(model: Model, asked: Dexterity) -> Measured:
         relative_to=observer,
         point=asked.point,
         axes=None if asked.rows in _BLOCKS else asked.rows,
-        length=asked.length if _mixes(task, joints) else "none",
+        length=asked.length if task.mixes(turning_columns(joints)) else "none",
     )
     agreed(result.certificate)
     block = result.blocks[_BLOCKS.get(asked.rows, "task")]
@@ -109,11 +109,6 @@ def _index(model: Model, asked: Dexterity, read: Callable[[Block], Array], *, wi
 def _task(rows: str) -> Task:
     named = {"all": Task.named(_ALL), "translation": TRANSLATION, "rotation": ROTATION}
     return named[rows] if rows in named else Task.named(rows)
-
-
-def _mixes(task: Task, joints: Sequence[Joint]) -> bool:
-    """Return whether rows, or columns, are in different units."""
-    return task.mixed or (bool(task.linear) and len(set(turning_columns(joints))) > 1)
 
 
 def distance_to_singularity(model: Model, asked: SingularDistance, folder: Path) -> Found:  # noqa: ARG001

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from kinetostat.report.view import View
 
 __all__ = [
+    "INTERRUPTED",
     "Answer",
     "asked_configuration",
     "configuration",
@@ -36,6 +37,7 @@ __all__ = [
 ]
 
 DISAGREE = 4
+INTERRUPTED = 130
 
 
 def say(kind: str, message: str) -> None:

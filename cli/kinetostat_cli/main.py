@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from kinetostat_cli import completion
-from kinetostat_cli.console import say
+from kinetostat_cli.console import INTERRUPTED, say
 from kinetostat_cli.options import joined_axes
 
 __all__ = ["COMMANDS", "build", "main", "run"]
@@ -42,7 +42,6 @@ COMMANDS = (
 )
 
 BUG = 70
-INTERRUPTED = 130
 TERMINATED = 143
 # The base of Typer's usage errors, which it keeps in click or in a copy of click of its own.
 _CommandLineError = typer.BadParameter.__mro__[2]

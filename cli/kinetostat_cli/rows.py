@@ -110,11 +110,10 @@ def warn_of_held(model: Model, listed: SoundRows, indices: Sequence[int]) -> Non
     """Warn of joints that a list moves and that are held all the same: those that `indices` has no place of."""
     import numpy as np
 
-    from kinetostat.errors import quote
+    from kinetostat.errors import quoted
 
     moved = np.any(listed.values != listed.values[0], axis=0)
     moved[list(indices)] = False
-    names = [quote(name) for name, moves in zip(model.robot.position_names, moved, strict=True) if moves]
+    names = [name for name, moves in zip(model.robot.position_names, moved, strict=True) if moves]
     if names:
-        more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-        warn([f"the list moves {', '.join(names[:3])}{more}, which --frame does not depend on: held as --config says"])
+        warn([f"the list moves {quoted(names)}, which --frame does not depend on: held as --config says"])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from kinetostat_cli.console import Answer, exit_if_apart, opened, say, warn, write_answer
+from kinetostat_cli.console import INTERRUPTED, Answer, exit_if_apart, opened, say, warn, write_answer
 from kinetostat_cli.options import OutputOptions
 from kinetostat_cli.runs import say_rate
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Question"]
 
-_INTERRUPTED = 130
 _STDOUT = Path("-")
 
 
@@ -156,7 +155,7 @@ class Question:
             self.output,
         )
         if not result.complete:
-            raise typer.Exit(_INTERRUPTED)
+            raise typer.Exit(INTERRUPTED)
 
 
 class _NobodyReadsError(Exception):

@@ -21,7 +21,7 @@ terminal escapes come out as text, and long names are cut.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 __all__ = [
     "AmbiguousNameError",
@@ -41,6 +41,7 @@ __all__ = [
     "cut",
     "printable",
     "quote",
+    "quoted",
 ]
 
 LONGEST_QUOTE = 60
@@ -62,6 +63,11 @@ def cut(text: str, longest: int = LONGEST_QUOTE) -> str:
 def quote(text: str, longest: int = LONGEST_QUOTE) -> str:
     """Return the text in quotation marks, printable, cut to `longest` characters."""
     return f"'{cut(text, longest)}'"
+
+
+def quoted(names: Sequence[str], most: int = 3) -> str:
+    """Return some names in quotation marks, and how many more there are: 'a', 'b', 'c' and 4 more."""
+    return ", ".join(map(quote, names[:most])) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 class KinetostatError(Exception):

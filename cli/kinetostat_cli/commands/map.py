@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from kinetostat_cli import runs
-from kinetostat_cli.console import Answer, held_configuration, load, progress_bar, refuse, triple, warn, write_answer
+from kinetostat_cli.console import (
+    INTERRUPTED,
+    Answer,
+    held_configuration,
+    load,
+    progress_bar,
+    refuse,
+    triple,
+    warn,
+    write_answer,
+)
 from kinetostat_cli.options import (
     AxesOption,
     ConfigurationOptions,
@@ -33,7 +43,6 @@ if TYPE_CHECKING:
 __all__ = ["register"]
 
 _SAMPLES = "1M"
-_INTERRUPTED = 130
 
 
 @grouped
@@ -143,7 +152,7 @@ def map_(
     else:
         _answer_placement(result, wanted, model, q, at, output, plot, seed)
     if not result.complete:
-        raise typer.Exit(_INTERRUPTED)
+        raise typer.Exit(INTERRUPTED)
 
 
 def _counts(samples: str | None, low_discrepancy: str | None) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from kinetostat.analysis.statics import torque
 from kinetostat.analysis.worst_climb import WorstClimb
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
-from kinetostat.errors import UsageError, quote
+from kinetostat.errors import UsageError, quoted
 from kinetostat.urdf.description import Joint, Robot
 
 __all__ = ["WorstTorques", "worst_torques"]
@@ -169,13 +169,9 @@ def _about_ranges(joints: Sequence[Joint]) -> list[str]:
     locked = [j.name for j in joints if j.limit.range[0] == j.limit.range[1]]
     lines = []
     if endless:
-        lines.append(f"no limits of {_named(endless)}: taken within 1 m, on which the answer depends")
+        lines.append(f"no limits of {quoted(endless)}: taken within 1 m, on which the answer depends")
     if screws:
-        lines.append(f"no limits of {_named(screws)}: taken within half a turn, on which the answer depends")
+        lines.append(f"no limits of {quoted(screws)}: taken within half a turn, on which the answer depends")
     if locked:
-        lines.append(f"the limits of {_named(locked)} are one position: locked there")
+        lines.append(f"the limits of {quoted(locked)} are one position: locked there")
     return lines
-
-
-def _named(names: Sequence[str]) -> str:
-    return ", ".join(quote(name) for name in names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

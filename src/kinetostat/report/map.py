@@ -12,6 +12,7 @@ from kinetostat.analysis.capability.directions import DIRECTIONS
 from kinetostat.analysis.configuration import Configuration
 from kinetostat.conventions import Array
 from kinetostat.errors import cut
+from kinetostat.report.asked import asked_tool
 from kinetostat.report.json import nested, number
 from kinetostat.report.view import Cell, Table, View, configuration_note, velocity_label
 
@@ -198,17 +199,10 @@ def map_about(result: CapabilityMap) -> dict[str, Any]:
 
 def _asked(result: CapabilityMap) -> dict[str, Any]:
     """Return all that the numbers depend on beside the robot and the configurations."""
-    velocity, robot, moved = result.velocity, result.coordinates.model.robot, result.coordinates.indices
+    robot, moved = result.coordinates.model.robot, result.coordinates.indices
     approach = result.approach and {"direction": list(result.approach), "within_degrees": APPROACH}
     return {
-        "frame": velocity.of,
-        "point": None if velocity.point is None else list(velocity.point),
-        "relative_to": velocity.relative_to,
-        "reference": ("local" if result.kernel.local else "aligned"),
-        "expressed_in": velocity.expressed_in,
-        "rows": list(result.task.row_names),
-        "characteristic_length": result.length,
-        "characteristic_length_reference": result.length_reference,
+        **asked_tool(result.velocity, result.task, result.length, result.length_reference),
         "approach": approach,
         "held": {name: float(result.held[i]) for i, name in enumerate(robot.position_names) if i not in moved},
     }

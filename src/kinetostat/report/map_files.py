@@ -13,6 +13,7 @@ import numpy as np
 from kinetostat.analysis.capability.directions import centres
 from kinetostat.errors import UsageError, quote
 from kinetostat.report.map import map_about
+from kinetostat.report.row_files.npz import array_member
 from kinetostat.report.writing import open_whole
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 __all__ = ["ENDINGS", "write_map"]
 
 ENDINGS = (".npz", ".vti")
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # the same map gives the same bytes
 
 
 def write_map(result: CapabilityMap, path: Path, opening: dict[str, Any]) -> None:
@@ -77,9 +77,7 @@ def _write_npz(result: CapabilityMap, path: Path, opening: dict[str, Any]) -> No
     }
     with open_whole(path) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, array in arrays.items():
-            entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            with archive.open(entry, "w", force_zip64=True) as member:
+            with array_member(archive, name) as member:
                 np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
 
 

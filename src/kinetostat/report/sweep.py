@@ -15,6 +15,7 @@ from kinetostat.analysis.configuration import Configuration
 from kinetostat.analysis.sweeping.samples import GridSource
 from kinetostat.conventions import GRAVITY, Array
 from kinetostat.errors import cut, quote
+from kinetostat.report.asked import asked_load, asked_tool
 from kinetostat.report.json import closing, nested, number
 from kinetostat.report.measured import reading
 from kinetostat.report.row_files import Numbers, RowField
@@ -336,21 +337,12 @@ def sweep_result(result: Sweep, numbers: Numbers | None = None) -> dict[str, Any
 
 def _asked(result: Sweep | SweepWork) -> dict[str, Any]:
     """Return all that the numbers depend on beside the robot and the configurations."""
-    velocity, payload, robot = result.velocity, result.payload, result.robot
+    robot = result.robot
     held = [i for i, name in enumerate(robot.position_names) if name not in result.source.moved]
     return {
-        "frame": velocity.of,
-        "point": None if velocity.point is None else list(velocity.point),
-        "relative_to": velocity.relative_to,
-        "reference": str(result.reference),
-        "expressed_in": velocity.expressed_in,
-        "rows": list(result.task.row_names),
-        "characteristic_length": result.length,
-        "characteristic_length_reference": result.length_reference,
+        **asked_tool(result.velocity, result.task, result.length, result.length_reference),
         "near_singular_below": result.near,
-        "gravity": None if result.gravity is None else nested(result.gravity),
-        "payload": payload and {"mass": payload.mass, "frame": payload.frame, "point": list(payload.point)},
-        "effort_limits": {name: nested(np.array(limit)) for name, limit in result.limits.items()},
+        **asked_load(result.gravity, result.payload, result.limits),
         "held": {robot.position_names[i]: number(float(result.rest[i])) for i in held},
     }
 

@@ -12,14 +12,14 @@ from kinetostat.analysis.trajectory.extremes import Extreme, extremes
 from kinetostat.analysis.trajectory.near import MOST_CAUSES, NOISE
 from kinetostat.conventions import GRAVITY, Array, Reference
 from kinetostat.errors import cut
-from kinetostat.report.json import nested, number
+from kinetostat.report.asked import asked_load, asked_tool
+from kinetostat.report.json import number
 from kinetostat.report.singular import condition_words
 from kinetostat.report.trajectory_rows import FileRows, sample_arrays
 from kinetostat.report.view import Cell, Table, View, configuration_note, velocity_label
 
 if TYPE_CHECKING:
     from kinetostat.analysis.configuration import Configuration
-    from kinetostat.analysis.loads import Payload
     from kinetostat.analysis.singular.at import SingularAt
     from kinetostat.analysis.trajectory.near import NearSpan
     from kinetostat.analysis.trajectory.trajectory import Trajectory
@@ -287,26 +287,12 @@ def asked_notes(result: Trajectory) -> list[str]:
 
 def asked_json(result: Trajectory, held: Configuration) -> dict[str, Any]:
     """Return all that an answer was computed for, in SI units; `held`: the joints that the file does not name."""
-    arm, velocity = result.mechanism, result.velocity
     return {
-        "frame": velocity.of,
-        "point": list(arm.point),
-        "relative_to": velocity.relative_to,
-        "reference": (Reference.LOCAL if arm.local else Reference.ALIGNED).value,
-        "expressed_in": velocity.expressed_in,
-        "rows": list(arm.task.row_names),
-        "characteristic_length": result.length,
-        "characteristic_length_reference": result.length_reference,
+        **asked_tool(result.velocity, result.mechanism.task, result.length, result.length_reference),
         "near_singular_below": result.near,
-        "gravity": result.gravity.tolist(),
-        "payload": None if result.payload is None else _payload_json(result.payload),
-        "effort_limits": {name: nested(np.array(limit)) for name, limit in result.limits.items()},
+        **asked_load(result.gravity, result.payload, result.limits),
         "held": held.by_joint(),
     }
-
-
-def _payload_json(payload: Payload) -> dict[str, Any]:
-    return {"mass": payload.mass, "frame": payload.frame, "point": list(payload.point)}
 
 
 def _ends(limit: float | tuple[float, float]) -> str:

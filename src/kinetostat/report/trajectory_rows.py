@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -16,6 +15,7 @@ from kinetostat.analysis.indices import powered
 from kinetostat.conventions import TWIST_ROWS, TWIST_UNITS, Array
 from kinetostat.report import csv
 from kinetostat.report.json import nested
+from kinetostat.report.row_files.csv import number_rows
 from kinetostat.report.writing import open_whole
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def sample_lines(result: Trajectory, rows: FileRows) -> Iterator[str]:
         part = slice(start, start + _AT_ONCE)
         numbers = rows.numbers[part]
         cells = np.concatenate([group.values[part] for group in groups], axis=1) + 0.0
-        texts = _number_cells(cells)
+        texts = number_rows(cells.tolist())
         answers = {
             int(number): f"{text},{'yes' if close else 'no'},{beyond.get(start + i, '')},\n"
             for i, (number, text, close) in enumerate(zip(numbers, texts, near[part].tolist(), strict=True))
@@ -131,12 +131,6 @@ def sample_lines(result: Trajectory, rows: FileRows) -> Iterator[str]:
         between = failed[np.searchsorted(failed, low, "right") : np.searchsorted(failed, high, "right")]
         answers |= {int(number): bad[int(number)] for number in between}
         yield "".join(f"{number},{answers[number]}" for number in sorted(answers))
-
-
-def _number_cells(cells: Array) -> list[str]:
-    """Return rows of numbers as text. JSON's encoder writes the shortest digits that give the number again."""
-    text = msgspec.json.encode(cells.tolist())[2:-2]  # [[0.5,1.0],[null,2.0]]
-    return text.replace(b"null", b"").decode().split("],[")
 
 
 def _beyond(result: Trajectory) -> dict[int, str]:

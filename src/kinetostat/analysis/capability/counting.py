@@ -15,7 +15,7 @@ from kinetostat.analysis.capability.grid import Grid
 from kinetostat.analysis.capability.voxels import VoxelSums, counted
 from kinetostat.analysis.sweeping.certifying import RowWitness
 from kinetostat.analysis.sweeping.digest import digest
-from kinetostat.analysis.sweeping.samples import BLOCK, Source
+from kinetostat.analysis.sweeping.samples import BLOCK, InBlocks, Source
 from kinetostat.conventions import Array
 
 __all__ = ["APPROACH", "OUTPUTS", "MapWork"]
@@ -28,7 +28,7 @@ _STEP = 2654435761  # D. Knuth's multiplier, a prime: which rows of a chunk they
 
 
 @dataclass(frozen=True, repr=False)
-class MapWork:
+class MapWork(InBlocks):
     """A map as chunks of 65,536 configurations; see `sweeping.work`.
 
     Attributes:
@@ -49,16 +49,6 @@ class MapWork:
     def __repr__(self) -> str:
         return f"<MapWork: {self.rows} configurations in {self.chunks} chunks>"
 
-    @property
-    def rows(self) -> int:
-        """How many configurations there are."""
-        return self.source.count
-
-    @property
-    def chunks(self) -> int:
-        """How many chunks there are."""
-        return -(-self.rows // BLOCK)
-
     @cached_property
     def digest(self) -> str:
         """What identifies the question."""
@@ -73,10 +63,6 @@ class MapWork:
             self.approach,
         )
         return digest(_VERSION, BLOCK, model.loaded.text, self.source, *parts, model.crosscheck)
-
-    def size(self, chunk: int) -> int:
-        """Return how many configurations a chunk has."""
-        return min(BLOCK, self.rows - chunk * BLOCK)
 
     def compute(self, chunk: int) -> VoxelSums:
         """Return what a chunk gives."""

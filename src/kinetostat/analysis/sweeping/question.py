@@ -32,7 +32,7 @@ from kinetostat.analysis.sweeping.sweep_work import SweepWork
 from kinetostat.analysis.typical_length import asked_length
 from kinetostat.conventions import Array, Reference
 from kinetostat.engines.model import Model
-from kinetostat.errors import ConfigurationError, UsageError, cut, quote, unknown_name
+from kinetostat.errors import ConfigurationError, UsageError, cut, quote, quoted, unknown_name
 
 __all__ = ["DEFAULT", "sweep_work"]
 
@@ -224,9 +224,8 @@ def _about_outside(chain: Coordinates, source: Source) -> list[str]:
         named = [name for name, always in zip(chain.names, np.all(between, axis=0), strict=True) if not always]
     else:
         return []
-    more = f" and {len(named) - 3} more" if len(named) > 3 else ""
-    joints = f"{', '.join(map(quote, named[:3]))}{more}"
-    return [f"{outside:,} of {source.count:,} configurations are outside limits: of {joints}"] if named else []
+    found = f"{outside:,} of {source.count:,} configurations are outside limits: of {quoted(named)}"
+    return [found] if named else []
 
 
 def _in_column(values: Array, column: int, width: int) -> Array:
@@ -276,5 +275,4 @@ def _about_efforts(
         known.refuse(lost, "effort_use")
     if not lost:
         return []
-    more = f" and {len(lost) - 3} more" if len(lost) > 3 else ""
-    return [f"no effort limit of {', '.join(map(quote, lost[:3]))}{more} (--effort-limits gives them)"]
+    return [f"no effort limit of {quoted(lost)} (--effort-limits gives them)"]

@@ -24,6 +24,7 @@ __all__ = [
     "MOST_ROWS",
     "GridSource",
     "HaltonSource",
+    "InBlocks",
     "ListSource",
     "RandomSource",
     "Source",
@@ -80,6 +81,30 @@ class Source(Protocol):
     def rows(self, start: int, stop: int) -> Array:
         """Return rows start .. stop - 1, m of them: (m, n), the transpose of a C array."""
         ...
+
+
+class InBlocks:
+    """What is computed of a source, a block of 65,536 rows being a chunk: the counts that a work tells.
+
+    Attributes:
+        source: the configurations.
+    """
+
+    source: Source
+
+    @property
+    def rows(self) -> int:
+        """How many configurations there are."""
+        return self.source.count
+
+    @property
+    def chunks(self) -> int:
+        """How many chunks there are."""
+        return -(-self.rows // BLOCK)
+
+    def size(self, chunk: int) -> int:
+        """Return how many configurations a chunk has."""
+        return min(BLOCK, self.rows - chunk * BLOCK)
 
 
 @dataclass(frozen=True, repr=False)

@@ -20,7 +20,7 @@ from kinetostat.analysis.sweeping.digest import digest
 from kinetostat.analysis.sweeping.measures import Asked, Column
 from kinetostat.analysis.sweeping.result import Beyond, Distribution, Extreme, Sweep
 from kinetostat.analysis.sweeping.running import Outcome
-from kinetostat.analysis.sweeping.samples import BLOCK, Source
+from kinetostat.analysis.sweeping.samples import BLOCK, InBlocks, Source
 from kinetostat.analysis.task import Task
 from kinetostat.conventions import Array, Reference, Velocity
 from kinetostat.screw.kernel import Kernel
@@ -99,7 +99,7 @@ def _larger(a: Peak | None, b: Peak | None) -> Peak | None:
 
 
 @dataclass(frozen=True, repr=False)
-class SweepWork:
+class SweepWork(InBlocks):
     """A sweep as chunks of 65,536 configurations; see `sweeping.work`.
 
     Attributes:
@@ -189,16 +189,6 @@ class SweepWork:
         """Those that have a distribution."""
         return tuple(column for one in self.asked if one.measure.summary for column in one.columns)
 
-    @property
-    def rows(self) -> int:
-        """How many configurations there are."""
-        return self.source.count
-
-    @property
-    def chunks(self) -> int:
-        """How many chunks there are."""
-        return -(-self.rows // BLOCK)
-
     @cached_property
     def digest(self) -> str:
         """What identifies the question."""
@@ -216,10 +206,6 @@ class SweepWork:
             _CHECKED,
             self.coordinates.model.crosscheck,
         )
-
-    def size(self, chunk: int) -> int:
-        """Return how many configurations a chunk has."""
-        return min(BLOCK, self.rows - chunk * BLOCK)
 
     def part(self, chunks: tuple[int, ...]) -> Source:
         """Return the configurations of some chunks, perhaps with others: all of the work that may be heavy."""

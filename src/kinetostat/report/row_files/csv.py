@@ -11,7 +11,7 @@ from kinetostat.conventions import Array
 from kinetostat.report import csv
 from kinetostat.report.row_files.fields import Numbers, RowField, distinct_columns
 
-__all__ = ["CsvRows"]
+__all__ = ["CsvRows", "number_rows"]
 
 _AT_ONCE = 4096  # rows that are Python objects at one time
 
@@ -35,10 +35,18 @@ class CsvRows:
 
 
 def _lines(numbers: Numbers, values: Sequence[Array]) -> str:
-    """Return rows as text. JSON's encoder writes the shortest digits that give the number again, and null for NaN."""
+    """Return rows as text, each with its number."""
     count = len(numbers)
     cells: list[list[float | int]] = np.concatenate([part.reshape(count, -1) for part in values], axis=1).tolist()
     for number, row in zip(numbers.tolist(), cells, strict=True):
         row.insert(0, number)
+    return "\n".join(number_rows(cells)) + "\n"
+
+
+def number_rows(cells: list[list[float | int]]) -> list[str]:
+    """Return each row of numbers as text. JSON's encoder writes the shortest digits that give the number again.
+
+    What is not finite is empty.
+    """
     text = msgspec.json.encode(cells)[2:-2]  # [[1,0.5],[2,null]]
-    return text.replace(b"],[", b"\n").replace(b"null", b"").decode() + "\n"
+    return text.replace(b"null", b"").decode().split("],[")

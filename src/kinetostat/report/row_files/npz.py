@@ -17,10 +17,10 @@ from kinetostat.conventions import Array
 from kinetostat.errors import UsageError
 from kinetostat.report.row_files.fields import Numbers, RowField
 
-__all__ = ["npz_rows"]
+__all__ = ["array_member", "npz_rows"]
 
 _BLOCK = 1 << 20  # bytes that are copied at once
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # the same rows give the same bytes
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # of every member
 
 
 class _NpzRows:
@@ -70,13 +70,20 @@ def npz_rows(
         with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
             for part, (name, *_) in zip(parts, arrays, strict=True):
                 part.seek(0)
-                with archive.open(zipfile.ZipInfo(f"{name}.npy", _EPOCH), "w", force_zip64=True) as member:
+                with array_member(archive, name) as member:
                     shutil.copyfileobj(part, member, _BLOCK)
                 part.close()  # its room on the disk is free again
             text = np.array(json.dumps(about(), ensure_ascii=False))
             for name, array in [*more.items(), ("about", text)]:
-                with archive.open(zipfile.ZipInfo(f"{name}.npy", _EPOCH), "w", force_zip64=True) as member:
+                with array_member(archive, name) as member:
                     np.lib.format.write_array(member, array, allow_pickle=False)
+
+
+def array_member(archive: zipfile.ZipFile, name: str) -> IO[bytes]:
+    """Open a member of an archive for an array, compressed as the archive is; the same array gives the same bytes."""
+    entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)
+    entry.compress_type = archive.compression
+    return archive.open(entry, "w", force_zip64=True)
 
 
 def _check_room(folder: Path | None, size: int) -> None:

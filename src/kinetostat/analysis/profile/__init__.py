@@ -1,0 +1,1 @@
+"""A robot as a whole, limb by limb: what a report tells of it."""

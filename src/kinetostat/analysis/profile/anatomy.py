@@ -5,7 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["Anatomy", "Left", "Limb"]
+__all__ = ["Anatomy", "ChosenChain", "Left", "Limb"]
+
+
+@dataclass(frozen=True)
+class ChosenChain:
+    """A chain that the user asks for by name, in the settings.
+
+    Attributes:
+        frame: the link at its end.
+        base: the link that it is looked at from; empty: the root.
+        name: what it is called; empty: its frame.
+        payload: what it is to carry, kg.
+    """
+
+    frame: str
+    base: str = ""
+    name: str = ""
+    payload: float | None = None
 
 
 @dataclass(frozen=True)

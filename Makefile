@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint wheel-check bench agreement singularities census policy clean
+.PHONY: demo test lint wheel-check bench agreement singularities census policy report gallery clean
 
 demo: $(READY)
 	@$(BIN)/python benchmarks/demo.py
@@ -43,6 +43,13 @@ policy: $(READY)
 
 census: $(READY)
 	$(BIN)/python docs/census.py
+
+report: $(READY)
+	$(BIN)/python -m kinetostat.report.fleet.schema
+	$(BIN)/python docs/report.py
+
+gallery: $(READY)
+	$(BIN)/python docs/gallery.py
 
 clean:
 	rm -rf $(VENV) dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from kinetostat.policy.manual import Key, Page, check_page, kind_pages, robot_page
+from kinetostat.policy.manual import Key, Page, chain_page, check_page, kind_pages, robot_page
 
 PAGE = Path(__file__).with_name("policy.md")
 HEAD = """# The policy: kinetostat.toml
@@ -61,6 +61,7 @@ def page() -> str:
         HEAD,
         f"## {check_page().name}\n\n{_told(check_page())}",
         f"## {robot_page().name}\n\n{_told(robot_page())}\n{ROBOTS}\n",
+        f"## {chain_page().name}\n\n{_told(chain_page())}",
         KINDS.format(count=len(kinds)) + listed + "\n",
         *(f"### {kind.name}\n\n{_told(kind)}" for kind in kinds),
     ]

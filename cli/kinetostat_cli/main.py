@@ -38,6 +38,7 @@ COMMANDS = (
     "sweep",
     "map",
     "trajectory",
+    "report",
     "singular",
 )
 

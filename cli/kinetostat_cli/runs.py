@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from kinetostat import CapabilityMap, Sweep
 
-__all__ = ["check", "running", "say_rate"]
+__all__ = ["check", "cores", "running", "say_rate"]
 
 
 def check(run: RunOptions) -> None:
@@ -36,7 +36,7 @@ def check(run: RunOptions) -> None:
 def running(run: RunOptions) -> Iterator[dict[str, Any]]:
     """Yield who computes, and who is told of it, as the library takes them."""
     with _executor(run.scheduler) as executor, progress_bar() as tell:
-        yield {"workers": run.jobs or _cores(), "executor": executor, "progress": tell}
+        yield {"workers": run.jobs or cores(), "executor": executor, "progress": tell}
 
 
 @contextmanager
@@ -50,7 +50,8 @@ def _executor(scheduler: str | None) -> Iterator[Executor | None]:
         yield executor
 
 
-def _cores() -> int:
+def cores() -> int:
+    """Return how many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

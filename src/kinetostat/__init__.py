@@ -33,6 +33,10 @@ if TYPE_CHECKING:
     from kinetostat.analysis.kinematics import FrameChange, Placement, adjoint, fk
     from kinetostat.analysis.loads import EffortLimits, Payload, load_at
     from kinetostat.analysis.manipulability import Block, Ellipsoid, Manipulability, Transmission, manipulability
+    from kinetostat.analysis.profile.anatomy import Anatomy, ChosenChain, Limb
+    from kinetostat.analysis.profile.limbs import limbs
+    from kinetostat.analysis.profile.profiling import profile
+    from kinetostat.analysis.profile.result import LimbPose, LimbProfile, RobotProfile
     from kinetostat.analysis.rates import ResolvedRates, resolved_rates
     from kinetostat.analysis.resolution import JointResolution, Requirement, joint_resolution
     from kinetostat.analysis.singular.at import SingularAt, singular_at
@@ -67,6 +71,7 @@ if TYPE_CHECKING:
     from kinetostat.lint.finding import Finding, Severity
     from kinetostat.policy.outcome import Outcome
     from kinetostat.policy.settings import Settings, find_settings, read_settings
+    from kinetostat.report.fleet.fleet import Fleet, fleet
     from kinetostat.urdf.description import Joint, JointType, Link, Robot
 
 __version__ = "0.1.0"
@@ -90,6 +95,10 @@ _HOMES = {
     "analysis.kinematics": ("FrameChange", "Placement", "adjoint", "fk"),
     "analysis.loads": ("EffortLimits", "Payload", "load_at"),
     "analysis.manipulability": ("Block", "Ellipsoid", "Manipulability", "Transmission", "manipulability"),
+    "analysis.profile.anatomy": ("Anatomy", "ChosenChain", "Limb"),
+    "analysis.profile.limbs": ("limbs",),
+    "analysis.profile.profiling": ("profile",),
+    "analysis.profile.result": ("LimbPose", "LimbProfile", "RobotProfile"),
     "analysis.rates": ("ResolvedRates", "resolved_rates"),
     "analysis.resolution": ("JointResolution", "Requirement", "joint_resolution"),
     "analysis.singular.at": ("SingularAt", "singular_at"),
@@ -108,18 +117,21 @@ _HOMES = {
     "lint.finding": ("Finding", "Severity"),
     "policy.outcome": ("Outcome",),
     "policy.settings": ("Settings", "find_settings", "read_settings"),
+    "report.fleet.fleet": ("Fleet", "fleet"),
     "urdf.description": ("Joint", "JointType", "Link", "Robot"),
 }
 
 __all__ = [
     "Agreement",
     "AmbiguousNameError",
+    "Anatomy",
     "BasePlacement",
     "Block",
     "CapabilityMap",
     "Certificate",
     "Chain",
     "CheckReport",
+    "ChosenChain",
     "Configuration",
     "ConfigurationError",
     "Difference",
@@ -135,6 +147,7 @@ __all__ = [
     "Family",
     "FileCheck",
     "Finding",
+    "Fleet",
     "ForcePolytope",
     "FrameChange",
     "FrameMotions",
@@ -145,6 +158,9 @@ __all__ = [
     "JointResolution",
     "JointType",
     "KinetostatError",
+    "Limb",
+    "LimbPose",
+    "LimbProfile",
     "LimitError",
     "Link",
     "Load",
@@ -165,6 +181,7 @@ __all__ = [
     "ResolvedRates",
     "Robot",
     "RobotError",
+    "RobotProfile",
     "RowBlock",
     "Settings",
     "Severity",
@@ -198,6 +215,7 @@ __all__ = [
     "difference",
     "find_settings",
     "fk",
+    "fleet",
     "force_polytope",
     "ik",
     "ik_all",
@@ -205,10 +223,12 @@ __all__ = [
     "joint_errors",
     "joint_rates",
     "joint_resolution",
+    "limbs",
     "load",
     "load_at",
     "manipulability",
     "pose",
+    "profile",
     "random_configurations",
     "reactions",
     "read_settings",

@@ -271,3 +271,22 @@ def test_screws_without_end_are_taken_within_half_a_turn():
     assert np.all(np.isfinite(found.torques))
     assert found.certificate.agree
     assert any("taken within half a turn" in warning for warning in found.warnings)
+
+
+def test_a_level_slide_of_which_one_engine_sees_rounding_bears_nothing():
+    """Pinocchio weighs what a turned joint carries to the last bit but one, the climb exactly: there is no ratio."""
+    inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+    body = f'<inertial><mass value="3"/><origin xyz="{{}}"/>{inertia}</inertial>'
+    level = load_text(
+        f'<robot name="level"><link name="base"/><link name="car">{body.format("0 0 0")}</link>'
+        f'<link name="load">{body.format("-0.4 0.02 -1")}</link>'
+        '<joint name="slide" type="prismatic"><parent link="base"/><child link="car"/><axis xyz="0 -1 0"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+        '<joint name="table" type="planar"><parent link="car"/><child link="load"/>'
+        '<origin xyz="-0.7 -0.2 -0.6" rpy="-1.5708 6.283185307179586 -1.5707963267948966"/><axis xyz="0 0 -1"/></joint>'
+        "</robot>"
+    )
+    found = ks.worst_torques(level, zero(level))
+    assert found.joints == ("slide",)
+    assert abs(found.torques[0]) < 1e-13
+    assert found.certificate.agree

@@ -26,3 +26,22 @@ def behave(task):
 def leave_politely(task):
     """End the process by an exception that is no error."""
     raise SystemExit(0)
+
+
+def squared(number):
+    """Return the square of a number from 0 on; die, hang, raise, or return what cannot travel for others."""
+    if number == -1:
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if number == -2:
+        time.sleep(600)
+    if number == -3:
+        raise ValueError("no square")
+    if number == -4:
+        return lambda: number
+    time.sleep(0.3)
+    return number**2
+
+
+def no_square(number, reason):
+    """Return what stands for a square that there is not."""
+    return f"{number}: {reason}"

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from gate.stand_ins import behave, leave_politely
+from gate.stand_ins import behave, leave_politely, no_square, squared
 from kinetostat.gate.checking import Task
-from kinetostat.gate.pool import check_all
+from kinetostat.gate.pool import check_all, run_all
 from kinetostat.gate.result import CheckReport, Verdict
+from processes import descendants, runs, wait_for
 
 REASONS = {
     "raise": "a bug in kinetostat: RuntimeError: a broken analysis\\x1b[31m",
@@ -27,7 +28,7 @@ def results():
     names = ["a", "raise", "b", "die", "c", "leave", "d", "hang", "e", "eat", "f"]
     told = []
     found = check_all([Task(name) for name in names], jobs=2, timeout=2, done=told.append, check=behave)
-    assert tuple(told) == found
+    assert sorted(told, key=lambda file: file.path) == sorted(found, key=lambda file: file.path)  # as they come
     assert [file.path for file in found] == names
     return {file.path: file for file in found}
 
@@ -59,9 +60,45 @@ def test_leaving_by_exit_is_a_crash_and_ends_nobody_else():
     assert "SystemExit" in found[0].reason
 
 
-def test_what_the_processes_load_loads():
+def test_any_task_is_done_and_what_goes_wrong_is_told_in_its_place():
+    told, seen = [], set()
+    found = run_all(
+        [3, -1, 4, -2, -3, -4, 5], squared, no_square, jobs=2, timeout=1, done=told.append, at_work=seen.update
+    )
+    assert [one for one in found if isinstance(one, int)] == [9, 16, 25]
+    died, hung, raised, stuck = (found[i] for i in (1, 3, 4, 5))
+    assert died == "-1: its process died (SIGSEGV)"
+    assert hung == "-2: no answer within 1 s (--timeout)"
+    assert raised == "-3: a bug in kinetostat: ValueError: no square"
+    assert stuck.startswith("-4: a bug in kinetostat: ")
+    assert sorted(told, key=str) == sorted(found, key=str)
+    assert -2 in seen  # it was long at work
+
+
+def test_results_are_in_the_order_of_the_tasks_and_told_as_they_come():
+    told = []
+    found = run_all([-2, 1, 2], squared, no_square, jobs=2, timeout=1, done=told.append)
+    assert found == (no_square(-2, "no answer within 1 s (--timeout)"), 1, 4)
+    assert told == [1, 4, found[0]]
+
+
+def test_nothing_to_do():
+    assert run_all([], squared, no_square, jobs=2, timeout=1) == ()
+
+
+@pytest.mark.parametrize("module", ["kinetostat.gate.preloaded", "kinetostat.report.fleet.preloaded"])
+def test_what_the_processes_load_loads(module):
     # A module that is missing there would be passed over in silence.
-    subprocess.run([sys.executable, "-c", "import kinetostat.gate.preloaded"], check=True, capture_output=True)
+    program = f"import {module}, os; os._exit(0)"  # at once: its alarm would end an interpreter that is leaving
+    subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="threads are counted by /proc")
+def test_what_is_loaded_before_processes_are_forked_starts_no_thread():
+    # Of a process with threads, a fork has one, and the locks that the others held.
+    program = "import kinetostat.report.fleet.preloaded, os; os._exit(len(os.listdir('/proc/self/task')))"
+    run = subprocess.run([sys.executable, "-c", program], check=False, capture_output=True)
+    assert run.returncode == 1
 
 
 SCRIPT = "import kinetostat as ks; print([f.verdict.value for f in ks.check(['textbook:planar_2r'], jobs=1).files])"
@@ -98,25 +135,4 @@ def test_a_hanging_robot_ends_with_whoever_asked():
     assert children
     asking.kill()
     asking.wait()
-    for _ in range(50):
-        if not any(map(runs, children)):
-            break
-        time.sleep(0.1)
-    assert [pid for pid in children if runs(pid)] == []
-
-
-def runs(pid):
-    """Return whether a process runs; one that has ended and that nobody has asked about does not."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
-
-
-def descendants(pid):
-    """Return the processes that a process has started, and those that they have."""
-    found = []
-    for task in Path(f"/proc/{pid}/task").iterdir():
-        for child in (task / "children").read_text().split():
-            found += [int(child), *descendants(int(child))]
-    return found
+    assert wait_for(lambda: not any(map(runs, children)), 5)

@@ -11,7 +11,6 @@ import pytest
 import kinetostat as ks
 from kinetostat.policy.draft.chains import main_frames, mirrored_name
 from kinetostat.policy.draft.toml import value
-from kinetostat.policy.draft.wheels import rolls
 from kinetostat.policy.draft.writing import drafted
 from kinetostat.policy.judging import judge
 from kinetostat.policy.settings import read_settings
@@ -20,6 +19,7 @@ from kinetostat_cli.main import run
 from policy.policies import written
 from policy.test_judging import TWO_ARMS
 from policy.test_schema import VALIDATOR
+from trailers import SWIVEL, WHEEL, trailer
 from trees import load_text
 
 ARM = {"mass", "joint-limits", "worst-gravity-torque", "degrees-of-freedom", "reach", "smallest-singular-value"}
@@ -165,47 +165,6 @@ def test_twenty_thousand_links_are_no_matter_of_minutes():
     start = time.perf_counter()
     assert main_frames(robot) == ("a",)
     assert time.perf_counter() - start < 5
-
-
-INERTIAL = (
-    '<inertial><origin xyz="{} 0 0"/><mass value="1"/>'
-    '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
-)
-
-
-def trailer(*joints, centre=0.0):
-    """Return a robot whose joints, (type, placement, axis), follow one another; its last link has a mass."""
-    text = '<robot name="trailer"><link name="base"/>'
-    for i, (kind, xyz, axis) in enumerate(joints, 1):
-        inertial = INERTIAL.format(centre) if i == len(joints) else ""
-        limit = "" if kind in ("continuous", "fixed") else '<limit lower="-1" upper="1" effort="9" velocity="1"/>'
-        text += (
-            f'<link name="l{i}">{inertial}</link><joint name="j{i}" type="{kind}">'
-            f'<parent link="{"base" if i == 1 else f"l{i - 1}"}"/><child link="l{i}"/>'
-            f'<origin xyz="{xyz}"/><axis xyz="{axis}"/>{limit}</joint>'
-        )
-    return load_text(text + "</robot>")
-
-
-SWIVEL, WHEEL = ("continuous", "0.2 0 0", "0 0 1"), ("continuous", "-0.05 0 -0.1", "0 1 0")
-HIP, KNEE = ("revolute", "0 0 0", "1 0 0"), ("revolute", "0 0 -0.3", "0 1 0")
-
-
-@pytest.mark.parametrize(
-    ("joints", "centre", "wheel"),
-    [
-        ([WHEEL], 0.0, True),
-        ([SWIVEL, WHEEL], 0.0, True),
-        ([SWIVEL, WHEEL], 0.01, True),  # as real masses are
-        ([WHEEL], 0.3, False),  # a pendulum
-        ([SWIVEL, ("revolute", "-0.05 0 -0.1", "0 1 0")], 0.0, False),  # a pan and tilt head
-        ([SWIVEL, WHEEL, ("fixed", "0.3 0 0", "1 0 0")], 0.0, False),  # the end of an arm: the last joint moves it
-        ([HIP, KNEE, ("revolute", "0 0 -0.3", "0 1 0"), WHEEL], 0.0, False),  # a leg with a wheel
-    ],
-)
-def test_wheels_and_casters_are_told_from_arms(joints, centre, wheel):
-    model = trailer(*joints, centre=centre)
-    assert rolls(model, f"l{len(joints)}") is wheel
 
 
 def test_nothing_but_its_degrees_of_freedom_is_expected_of_a_caster(tmp_path):

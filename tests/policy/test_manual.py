@@ -11,15 +11,15 @@ import pytest
 
 from kinetostat.policy.expectations import KINDS
 from kinetostat.policy.kinds.common import PLACE
-from kinetostat.policy.manual import check_page, kind_pages, page, robot_page
+from kinetostat.policy.manual import chain_page, check_page, kind_pages, page, robot_page
 from kinetostat.policy.settings import read_settings
-from kinetostat.policy.table import CheckSettings, RobotSettings
+from kinetostat.policy.table import ChainSettings, CheckSettings, RobotSettings
 from policy.policies import written
 from policy.test_schema import VALIDATOR
 
 DOCS = Path(__file__).parents[2] / "docs"
 ROBOT = '[[robots]]\npath = "arm.urdf"\n'
-PAGES = [check_page(), robot_page(), *kind_pages()]
+PAGES = [check_page(), robot_page(), chain_page(), *kind_pages()]
 
 
 def shipped():
@@ -35,7 +35,7 @@ def test_the_page_is_up_to_date():
 
 def test_every_example_of_the_page_is_read(tmp_path):
     blocks = re.findall(r"```toml\n(.*?)```", shipped(), re.DOTALL)
-    assert len(blocks) == len(KINDS) + 3
+    assert len(blocks) == len(KINDS) + 4
     for block in blocks:
         text = ROBOT + block if block.startswith("[[robots.expect]]") else block
         settings = read_settings(written(tmp_path, text))
@@ -47,8 +47,9 @@ def test_every_example_of_the_page_is_read(tmp_path):
 
 @pytest.mark.parametrize("told", PAGES, ids=lambda told: told.name)
 def test_every_key_is_told_and_no_other(told):
-    struct = {"[check]": CheckSettings, "[[robots]]": RobotSettings, **KINDS}[told.name]
-    known = set(struct.__struct_encode_fields__) - {PLACE, "expect"}
+    tables = {"[check]": CheckSettings, "[[robots]]": RobotSettings, "[[robots.chains]]": ChainSettings}
+    struct = (tables | KINDS)[told.name]
+    known = set(struct.__struct_encode_fields__) - {PLACE, "expect", "chains"}
     assert {key.name for key in told.keys} == known
     assert all(key.description and key.type for key in told.keys)
     assert told.aim

@@ -12,6 +12,7 @@ from kinetostat.policy.settings import Settings, find_settings, read_settings
 from policy.policies import written
 
 ROBOT = '[[robots]]\npath = "arm.urdf"\n\n[[robots.expect]]\n'
+CHAIN = '[[robots]]\npath = "arm.urdf"\n\n[[robots.chains]]\n'
 WHOLE = """
 [check]
 select = ["J", "I3"]
@@ -42,6 +43,15 @@ frame = "tool0"
 at = ["home", "mid"]
 at-least = 0.05
 
+[[robots.chains]]
+frame = "tool0"
+
+[[robots.chains]]
+name = "elbow"
+base = "shoulder"
+frame = "forearm"
+payload = 2
+
 [[robots]]
 path = "example:panda"
 """
@@ -61,6 +71,10 @@ def test_reads_what_is_written(tmp_path):
     assert [one.place for one in arm.expect] == ["kinetostat.toml:21", "kinetostat.toml:25"]
     assert arm.expect[1].at == ("home", "mid")
     assert panda.expect == ()
+    assert [(one.frame, one.base, one.name, one.payload) for one in arm.chains] == [
+        ("tool0", "", "", None), ("forearm", "shoulder", "elbow", 2),
+    ]  # fmt: skip
+    assert panda.chains == ()
 
 
 def test_an_empty_file_is_the_defaults(tmp_path):
@@ -114,6 +128,12 @@ REFUSED = {
         ROBOT + 'kind = "manipulability"\nat-least = 1\npoint = [1, 2]', 7, "list of length 3, got 2", "",
     ),
     "a negative bound": (ROBOT + 'kind = "manipulability"\n\nat-least = -0.1', 7, "expected a number >= 0", ""),
+    "a key of a chain": (CHAIN + 'frame = "a"\npayloda = 1', 6, "no key 'payloda'", "did you mean 'payload'"),
+    "a chain without an end": (CHAIN + 'base = "a"', 4, "the key 'frame' is missing", ""),
+    "an end without a name": (CHAIN + 'frame = ""', 5, "robots[0].chains[0].frame", ""),
+    "a payload that lifts": (CHAIN + 'frame = "a"\npayload = -1', 6, "expected a number >= 0", ""),
+    "chains in a chain": (CHAIN + 'frame = "a"\nchains = []', 6, "no key 'chains'", "there are"),
+    "a chain that is a name": ('[[robots]]\npath = "x"\nchains = ["tool0"]', 3, "expected a table", ""),
     "nan": (ROBOT + 'kind = "mass"\nat-most = nan', 6, "nan is not a finite number", ""),
     "inf in a list": (ROBOT + 'kind = "reaches"\nposes = [[0, 0, 0], [\n1, -inf, 2]]', 7, "-inf is not a finite", ""),
     "a number that no float holds": (ROBOT + f'kind = "mass"\nat-most = {"9" * 400}', 6, "out of range", ""),

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kinetostat.errors import UsageError, cut, quote
-from kinetostat_cli.console import opened, progress_bar, say, xacro_arguments
+from kinetostat.errors import UsageError, quote
+from kinetostat_cli.console import opened, say, xacro_arguments
+from kinetostat_cli.fleets import (
+    JobsOption,
+    NoSettingsOption,
+    PathsArgument,
+    SettingsOption,
+    SrdfOption,
+    here,
+    progress,
+    settings_of,
+)
 from kinetostat_cli.options import (
     MAX_BYTES,
     DebugOption,
@@ -22,10 +30,10 @@ from kinetostat_cli.options import (
     PackageDirOption,
     XacroArgOption,
 )
+from kinetostat_cli.runs import cores
 
 if TYPE_CHECKING:
-    from kinetostat.gate.result import CheckReport, FileCheck
-    from kinetostat.policy.settings import Settings
+    from kinetostat.gate.result import CheckReport
 
 __all__ = ["register"]
 
@@ -53,13 +61,7 @@ _Codes = list[str] | None
 
 
 def check(
-    paths: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[PATHS]...",
-            help="Files, folders, globs, 'example:*'. Default: all below kinetostat.toml (else below here).",
-        ),
-    ] = None,
+    paths: PathsArgument = None,
     form: Annotated[Form, typer.Option("--format", "-F", help="How to write the report.")] = Form.TEXT,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write the report to a file.")
@@ -76,11 +78,8 @@ def check(
         typer.Option(min=0, max=10_000, metavar="N", help="Configurations at which readers are compared. Default: 20."),
     ] = None,
     seed: Annotated[int | None, typer.Option(min=0, metavar="N", help="Of the random ones. Default: 0.")] = None,
-    settings: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Settings and policy. Default: kinetostat.toml here or above."),
-    ] = None,
-    no_settings: Annotated[bool, typer.Option("--no-settings", help="Look for no kinetostat.toml.")] = False,
+    settings: SettingsOption = None,
+    no_settings: NoSettingsOption = False,
     baseline: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Known findings in this file do not count.")
     ] = None,
@@ -90,15 +89,11 @@ def check(
     changed_since: Annotated[
         str | None, typer.Option(metavar="REV", help="Check only what has changed since this revision of git.")
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", min=1, max=256, metavar="N", help="Processes. Default: a core each.")
-    ] = None,
+    jobs: JobsOption = None,
     timeout: Annotated[
         float | None, typer.Option(min=0.1, metavar="S", help="Seconds for one robot. Default: 120.")
     ] = None,
-    srdf: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="SRDF of the robot. Default: the one beside it.")
-    ] = None,
+    srdf: SrdfOption = None,
     package_dir: PackageDirOption = None,
     xacro_arg: XacroArgOption = None,
     max_bytes: MaxBytesOption = MAX_BYTES,
@@ -117,11 +112,11 @@ def check(
     import kinetostat
     from kinetostat.gate.check import without_baseline
 
-    chosen, folder = _settings(settings, paths or [], wanted=not no_settings)
+    chosen, folder = settings_of(settings, paths or [], wanted=not no_settings)
     reports = _further(also)
     if write_baseline is not None:
         chosen, baseline = without_baseline(chosen), None
-    with _progress() as done:
+    with progress() as shown:
         report = kinetostat.check(
             paths or [],
             settings=chosen,
@@ -133,13 +128,13 @@ def check(
             seed=seed,
             baseline=baseline,
             changed_since=changed_since,
-            jobs=jobs or _cores(),
+            jobs=jobs or cores(),
             timeout=timeout,
             srdf=srdf,
             package_dirs=package_dir or [],
             xacro_arguments=xacro_arguments(xacro_arg),
             max_bytes=max_bytes,
-            done=done,
+            done=lambda file, count: shown.done(file.path, count),
         )
     if write_baseline is not None:
         _write_baseline(report, write_baseline)
@@ -157,48 +152,9 @@ def register(app: typer.Typer) -> None:
     app.command()(check)
 
 
-def _settings(given: Path | None, paths: list[str], *, wanted: bool) -> tuple[Settings | None, Path]:
-    """Return the settings (those from here up, else those from the first path up), and the folder of their paths."""
-    from kinetostat.policy.settings import find_settings, read_settings
-
-    path = given
-    if path is None and wanted:
-        starts = [_here(), *(Path(name) for name in paths[:1] if os.path.lexists(name))]
-        path = next(filter(None, map(find_settings, starts)), None)
-    if path is None:
-        return None, Path()
-    return read_settings(path), Path(os.path.relpath(path.parent))
-
-
-def _here() -> Path:
-    try:
-        return Path.cwd()
-    except FileNotFoundError:
-        raise UsageError("the current folder is gone", remedy="change to one that is there") from None
-
-
 def _codes(words: list[str] | None) -> list[str] | None:
     """Return the codes of an option that may be repeated, and each time be a list."""
     return None if words is None else [code.strip() for word in words for code in word.split(",") if code.strip()]
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[FileCheck, int], None]]:
-    """Yield what shows how many files are done, on a terminal."""
-    finished = 0
-    with progress_bar() as show:
-
-        def done(file: FileCheck, count: int) -> None:
-            nonlocal finished
-            finished += 1
-            if show is not None:
-                show(f"{finished} of {count}: {cut(file.path, 40)}", finished / count)
-
-        yield done
 
 
 def _write_baseline(report: CheckReport, path: Path) -> None:
@@ -223,7 +179,7 @@ def _rendered(report: CheckReport, form: Form, *, verbose: bool = False, colour:
     if form is not Form.TEXT:
         from kinetostat.report.check import rendered
 
-        return rendered(report, form.value, base=_here())
+        return rendered(report, form.value, base=here())
     from kinetostat.report.check.text import render
 
     on_terminal = colour and sys.stdout is not None and sys.stdout.isatty() and "NO_COLOR" not in os.environ

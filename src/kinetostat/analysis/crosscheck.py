@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -24,12 +24,14 @@ class Certificate:
         max_difference: largest absolute difference of any number of the result; None without cross-check.
         tolerance: the largest that counts as agreement, in the result's own units.
         values: both results where they disagree, else empty.
+        numbers: how many numbers both have computed.
     """
 
     engines: tuple[str, ...]
     max_difference: float | None
     tolerance: float
     values: tuple[Array, ...] = field(default=(), compare=False)
+    numbers: int = field(default=0, compare=False)
 
     @property
     def agree(self) -> bool | None:
@@ -59,12 +61,16 @@ def certified(
     difference = float(np.max(np.abs(value - again), initial=0.0)) if same_shape else float("inf")
     # NaN compares false: what is not a number never agrees.
     values = () if difference <= allowed else (value, again)
-    return value, Certificate(names, difference, allowed, values)
+    return value, Certificate(names, difference, allowed, values, value.size)
 
 
 def combined(certificates: Sequence[Certificate]) -> Certificate:
-    """Return the certificate of several results together: that of the one nearest to (or farthest beyond) tolerance."""
-    return max(certificates, key=lambda one: (one.agree is False, (one.max_difference or 0.0) / one.tolerance))
+    """Return the certificate of several results together: that of the one nearest to (or farthest beyond) tolerance.
+
+    Its numbers are those of all.
+    """
+    nearest = max(certificates, key=lambda one: (one.agree is False, (one.max_difference or 0.0) / one.tolerance))
+    return replace(nearest, numbers=sum(one.numbers for one in certificates))
 
 
 def length_scale(robot: Robot, q: Array, point: tuple[float, float, float] | None = None, unit: float = 1.0) -> float:

@@ -135,6 +135,8 @@ class WorstClimb:
 
         best, column = int(np.argmax(np.abs(torques))), self._columns[index]
         q, size = at[best].copy(), float(torques[best])  # with its sign: torque over size is to grow from 1 on
+        if size == 0:
+            return  # weight does nothing: what made it look as if it did was rounding
 
         def descent(x: Array) -> tuple[float, Array]:
             q[self._where] = x

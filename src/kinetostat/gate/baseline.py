@@ -18,7 +18,7 @@ from kinetostat.gate.result import FileCheck
 from kinetostat.lint.finding import Finding
 from kinetostat.urdf.files import read_file
 
-__all__ = ["baseline_text", "read_baseline", "without_known"]
+__all__ = ["Known", "baseline_text", "read_baseline", "without_known"]
 
 SCHEMA = "kinetostat/baseline/1"
 

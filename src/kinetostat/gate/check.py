@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from kinetostat.analysis.profile.anatomy import ChosenChain
 from kinetostat.errors import SourceError, UsageError, quote
 from kinetostat.gate.baseline import read_baseline, without_known
 from kinetostat.gate.changed import touched
@@ -21,7 +22,7 @@ from kinetostat.urdf.files import MAX_BYTES
 if TYPE_CHECKING:
     from kinetostat.policy.settings import RobotSettings, Settings
 
-__all__ = ["check", "tasks_of", "without_baseline"]
+__all__ = ["baseline_file", "check", "tasks_of", "without_baseline"]
 
 MOST_SAMPLES = 10_000
 
@@ -88,7 +89,7 @@ def check(
         xacro_arguments=dict(xacro_arguments or {}),
         max_bytes=max_bytes,
     )
-    known_file = _baseline(baseline, settings, folder)
+    known_file = baseline_file(baseline, settings, folder)
     tasks = tasks_of([str(path) for path in paths], settings, chosen)
     if changed_since is not None:
         tasks = _changed(tasks, changed_since, folder, known_file)
@@ -234,10 +235,16 @@ def _task(name: str, settings: Settings, entries: Sequence[RobotSettings], chose
         srdf=chosen.srdf or srdf,
         package_dirs=(*chosen.package_dirs, *(folder / d for entry in entries for d in entry.package_dirs)),
         xacro_arguments={k: v for entry in entries for k, v in entry.xacro_args.items()} | dict(chosen.xacro_arguments),
+        chains=tuple(
+            ChosenChain(chain.frame, chain.base, chain.name, chain.payload)
+            for entry in entries
+            for chain in entry.chains
+        ),
     )
 
 
-def _baseline(given: str | Path | None, settings: Settings, folder: Path) -> Path | None:
+def baseline_file(given: str | Path | None, settings: Settings, folder: Path) -> Path | None:
+    """Return the file of known findings: the one that is given, else the settings'; None without one."""
     if given is not None:
         return Path(given)
     return folder / settings.check.baseline if settings.check.baseline else None

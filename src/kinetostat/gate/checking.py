@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from kinetostat.analysis.agreement import Agreement
+from kinetostat.analysis.profile.anatomy import ChosenChain
 from kinetostat.errors import KinetostatError
 from kinetostat.gate.result import FileCheck, Verdict
 from kinetostat.lint.finding import Finding, Severity
@@ -17,7 +18,7 @@ from kinetostat.lint.subject import Subject, subject_of
 from kinetostat.policy.outcome import Outcome
 from kinetostat.urdf.document import decoded
 
-__all__ = ["Task", "check_robot", "judged"]
+__all__ = ["Task", "check_robot", "check_subject", "judged", "subject_asked"]
 
 _LONGEST_LINE = 20_000  # characters of a line that are kept to be shown
 
@@ -33,6 +34,7 @@ class Task:
         seed: of these.
         expectations: what the policy expects of it.
         folder: of the policy: paths in it are relative to this.
+        chains: the limbs that the settings ask for by name: nothing of `check`, but of the report.
         srdf, package_dirs, xacro_arguments, max_bytes: see `engines.model.load`.
     """
 
@@ -47,21 +49,32 @@ class Task:
     package_dirs: tuple[Path, ...] = ()
     xacro_arguments: Mapping[str, str] = field(default_factory=dict)
     max_bytes: int = 64 * 1024 * 1024
+    chains: tuple[ChosenChain, ...] = ()
 
 
 def check_robot(task: Task) -> FileCheck:
     """Return what is found out about one robot; its verdict is given by `judged`."""
-    from kinetostat.lint.linting import lint, there_is_a_model
-    from kinetostat.lint.registry import chosen
-
     start = time.perf_counter()
-    subject = subject_of(
+    found = check_subject(subject_asked(task), task)
+    return replace(found, seconds=time.perf_counter() - start)
+
+
+def subject_asked(task: Task) -> Subject:
+    """Return the robot of a task, as far as it can be read."""
+    return subject_of(
         task.name,
         srdf=task.srdf,
         package_dirs=task.package_dirs,
         xacro_arguments=task.xacro_arguments,
         max_bytes=task.max_bytes,
     )
+
+
+def check_subject(subject: Subject, task: Task) -> FileCheck:
+    """Return what is found out about a robot that has been read for a task, as `check_robot`; it is not timed."""
+    from kinetostat.lint.linting import lint, there_is_a_model
+    from kinetostat.lint.registry import chosen
+
     rules = chosen(task.select, task.ignore)
     agreement, skipped = None, dict[str, str]()
     if task.samples and there_is_a_model(subject):
@@ -80,8 +93,7 @@ def check_robot(task: Task) -> FileCheck:
         "",
         subject.expanded,
         _shown_lines(subject, findings),
-        time.perf_counter() - start,
-        subject.robot is not None,
+        readable=subject.robot is not None,
     )
 
 

@@ -13,11 +13,11 @@ import msgspec
 from kinetostat.policy.draft.toml import value
 from kinetostat.policy.expectations import KINDS
 from kinetostat.policy.kinds.common import PLACE
-from kinetostat.policy.table import CheckSettings, RobotSettings
+from kinetostat.policy.table import ChainSettings, CheckSettings, RobotSettings
 
-__all__ = ["Key", "Page", "check_page", "kind_pages", "page", "robot_page"]
+__all__ = ["Key", "Page", "chain_page", "check_page", "kind_pages", "page", "robot_page"]
 
-_EXPECT = "expect"  # the list of expectations, which have pages of their own
+_TABLES = ("expect", "chains")  # lists of tables, which have pages of their own
 _WORDS = {float: "number", int: "whole number", str: "text", bool: "true or false"}
 
 
@@ -46,7 +46,7 @@ class Key:
 
 @dataclass(frozen=True)
 class Page:
-    """What is told of a table: of a kind of expectation, of [check], or of [[robots]].
+    """What is told of a table: of a kind of expectation, of [check], [[robots]] or [[robots.chains]].
 
     Attributes:
         name: the kind, or the table.
@@ -88,6 +88,11 @@ def robot_page() -> Page:
     return _page("[[robots]]", RobotSettings, _ROBOT)
 
 
+def chain_page() -> Page:
+    """Return what is told of a table [[robots.chains]]."""
+    return _page("[[robots.chains]]", ChainSettings, _CHAIN)
+
+
 _CHECK = """\
 [check]
 fail-on = "warning"
@@ -101,6 +106,15 @@ _ROBOT = """\
 path = "robots/arm.urdf.xacro"
 package-dirs = [".."]
 xacro-args = { prefix = "left_" }"""
+_CHAIN = """\
+[[robots]]
+path = "robots/humanoid.urdf"
+
+[[robots.chains]]
+name = "left arm"
+base = "torso_link"
+frame = "left_tool"
+payload = 2.5"""
 
 
 def _page(name: str, struct: type[msgspec.Struct], example: str) -> Page:
@@ -112,7 +126,7 @@ def _keys(struct: type[msgspec.Struct]) -> Iterator[Key]:
     """Yield the keys of a table, those that may not be left out first."""
     hints = get_type_hints(struct, include_extras=True)
     for part in sorted(msgspec.structs.fields(struct), key=lambda part: not part.required):
-        if part.encode_name not in (PLACE, _EXPECT):
+        if part.encode_name not in (PLACE, *_TABLES):
             yield _key(struct, part, hints[part.name])
 
 

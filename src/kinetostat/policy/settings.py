@@ -17,10 +17,10 @@ from kinetostat.policy.expectations import KINDS
 from kinetostat.policy.kinds.common import PLACE
 from kinetostat.policy.positions import Path as KeyPath
 from kinetostat.policy.positions import key_lines, line_of
-from kinetostat.policy.table import CheckSettings, RobotSettings, Settings
+from kinetostat.policy.table import ChainSettings, CheckSettings, RobotSettings, Settings
 from kinetostat.urdf.files import read_file
 
-__all__ = ["CheckSettings", "RobotSettings", "Settings", "find_settings", "read_settings"]
+__all__ = ["ChainSettings", "CheckSettings", "RobotSettings", "Settings", "find_settings", "read_settings"]
 
 NAME = "kinetostat.toml"
 _PROJECT = "pyproject.toml"
@@ -169,6 +169,8 @@ class _Checked:
             self._known(path, robot, RobotSettings)
             for inner, expectation in _tables(robot, path, "expect"):
                 self._known(inner, expectation, self._kind(inner, expectation), "kind")
+            for inner, chain in _tables(robot, path, "chains"):
+                self._known(inner, chain, ChainSettings)
         try:
             return msgspec.convert(content, Settings)
         except msgspec.ValidationError as error:

@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct, field
 
 from kinetostat.policy.expectations import Expectation
-from kinetostat.policy.kinds.common import measured_in
+from kinetostat.policy.kinds.common import NotNegative, measured_in
 
-__all__ = ["CheckSettings", "RobotSettings", "Settings"]
+__all__ = ["ChainSettings", "CheckSettings", "RobotSettings", "Settings"]
 
 Globs = tuple[str, ...]
 Codes = tuple[str, ...]
@@ -44,6 +44,24 @@ class CheckSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     ] = field(default_factory=dict)
 
 
+class ChainSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"):
+    """A chain of a robot that `kinetostat report` tells of: an arm, a leg, a finger.
+
+    Where there are such tables, they are the chains of the robot, in this order. Without them, chains are found: by the
+    tips of the tree of joints and by the groups of the SRDF; hands and grippers are left out then.
+    """
+
+    frame: Annotated[str, Meta(min_length=1, description="The link at its end.", examples=["tool0"])]
+    base: Annotated[
+        str, Meta(description="The link that it is looked at from. Default: the root link.", examples=["torso_link"])
+    ] = ""
+    name: Annotated[str, Meta(description="What it is called. Default: its frame.", examples=["left arm"])] = ""
+    payload: Annotated[
+        NotNegative | None,
+        Meta(description="What it is to carry. Default: what the command line says.", extra=measured_in("kg")),
+    ] = None
+
+
 class RobotSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"):
     """One robot, or all that a glob matches: how it is read, and what is expected of it."""
 
@@ -61,6 +79,9 @@ class RobotSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         default_factory=dict
     )
     expect: Annotated[tuple[Expectation, ...], Meta(description="What is expected of it.")] = ()
+    chains: Annotated[
+        tuple[ChainSettings, ...], Meta(description="Chains that are reported. Default: those that are found.")
+    ] = ()
 
 
 class Settings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"):

@@ -171,6 +171,13 @@ class Joint:
         """Names of the velocity coordinates."""
         return self._names(TWIST_ROWS, PLANAR_VELOCITY)
 
+    @property
+    def slide(self) -> float:
+        """How far it slides at most, m: the larger end of a finite range; 0 where it does not slide."""
+        if self.type is not JointType.PRISMATIC:
+            return 0.0
+        return max((abs(end) for end in self.limit.range if abs(end) < float("inf")), default=0.0)
+
     def _names(self, floating: tuple[str, ...], planar: tuple[str, ...]) -> tuple[str, ...]:
         if self.type is JointType.FIXED:
             return ()
@@ -389,7 +396,7 @@ class Robot:
         stack = [self.root]
         while stack:
             for joint in self.child_joints[stack.pop()]:
-                longest[joint.child] = longest[joint.parent] + joint.origin.length + _slide(joint)
+                longest[joint.child] = longest[joint.parent] + joint.origin.length + joint.slide
                 stack.append(joint.child)
         return max(longest.values())
 
@@ -407,9 +414,3 @@ class Robot:
                 )
         base = Joint(FLOATING_BASE_JOINT, JointType.FLOATING, WORLD_LINK, self.root, line=0)
         return replace(self, links=(Link(WORLD_LINK, 0), *self.links), joints=(base, *self.joints), root=WORLD_LINK)
-
-
-def _slide(joint: Joint) -> float:
-    if joint.type is not JointType.PRISMATIC:
-        return 0.0
-    return max((abs(end) for end in joint.limit.range if abs(end) < float("inf")), default=0.0)

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinetostat.analysis.coordinates import Coordinates
 from kinetostat.analysis.singular.find import Family, SingularFamilies
 from kinetostat.analysis.singular.mechanism import Mechanism
 from kinetostat.conventions import Array, quarter_turns
 from kinetostat.errors import UsageError, printable, unknown_name
 
-__all__ = ["Curve", "Mark", "Slice", "Workspace", "is_planar", "slice_over", "workspace"]
+__all__ = ["Curve", "Mark", "Slice", "Workspace", "is_planar", "positions_in_words", "slice_over", "workspace"]
 
 _CLOUD = 4000  # configurations whose tool positions show where the arm gets
 _NOTHING = 1e-12  # singular value that is rounding
@@ -174,11 +175,11 @@ def _marks(arm: Mechanism, family: Family, first: int, second: int, degrees: boo
     if family.implicit or not set(family.positions) <= {arm.names[first], arm.names[second]}:
         return []
     x, y = (family.positions.get(arm.names[i]) for i in (first, second))
-    return [Mark(_label(arm, family.positions, degrees), x, y, family.inside_limits)]
+    return [Mark(positions_in_words(arm, family.positions, degrees), x, y, family.inside_limits)]
 
 
-def _label(arm: Mechanism, positions: Mapping[str, float], degrees: bool) -> str:
-    """Return positions in words: joint2 = pi/2."""
+def positions_in_words(arm: Coordinates, positions: Mapping[str, float], degrees: bool = False) -> str:
+    """Return positions of coordinates, in rad and m, in words: joint2 = pi/2."""
     words = []
     for name, value in positions.items():
         if not arm.turning[arm.names.index(name)]:
@@ -231,7 +232,7 @@ def workspace(result: SingularFamilies, *, degrees: bool = False, points: int = 
         if family.implicit or len(family.positions) != len(arm.names) - 1:
             continue
         held = {arm.names.index(name): value for name, value in family.positions.items()}
-        label = _label(arm, family.positions, degrees)
+        label = positions_in_words(arm, family.positions, degrees)
         whole = _swept(arm, held, arm.spans, plane, points)
         within = _swept(arm, held, arm.limits, plane, points) if family.inside_limits else None
         if within is not None:
@@ -257,7 +258,7 @@ def _limit_curves(arm: Mechanism, plane: Array, points: int, degrees: bool) -> l
         for end in (ends[i] for ends in arm.stated_limits):
             if np.isfinite(end):
                 swept = _swept(arm, {i: float(end)}, arm.limits, plane, points)
-                curves.append(Curve(_label(arm, {name: float(end)}, degrees), swept, "limit"))
+                curves.append(Curve(positions_in_words(arm, {name: float(end)}, degrees), swept, "limit"))
     return curves
 
 

@@ -73,11 +73,24 @@ class RowWitness:
             found[name] = np.where(np.isinf(scale), 0.0, np.max(apart, axis=1, initial=0.0))
         return found
 
-    def certificate(self, name: str, difference: float | None, values: tuple[Array, ...] = ()) -> Certificate:
-        """Return what the two engines say of an output, given the largest difference; None if nothing was compared."""
+    def certificate(
+        self, name: str, difference: float | None, values: tuple[Array, ...] = (), numbers: int = 0
+    ) -> Certificate:
+        """Return what the two engines say of an output, given the largest difference; None if nothing was compared.
+
+        `numbers`: of how many numbers.
+        """
         second = "python" if name in UNCHECKED else "pinocchio"
         engines = ("screw",) if difference is None else (second, "screw")
-        return Certificate(engines, difference, self.tolerances[name], values)
+        return Certificate(engines, difference, self.tolerances[name], values, 0 if difference is None else numbers)
+
+    def row_size(self, name: str) -> int:
+        """Return how many numbers an output has in a row; of gradients, how many are compared."""
+        n = len(self.coordinates.names)
+        if name in _GRADIENTS and self._directions is not None:
+            return _DIRECTIONS
+        sizes = {"placement": 12, "jacobian": 6 * n, "singular_values": self.kernel.values}
+        return sizes.get(name, 1 if name in ("yoshikawa", "limit_distance") else n)
 
     def again(self, q: Array) -> dict[str, Array]:
         """Return the kernel's outputs by Pinocchio, and by how much each row magnifies ("NAME scale"). (k, n)."""

@@ -241,7 +241,8 @@ def _about_limits(chain: Coordinates, source: Source) -> list[str]:
         return []
     (low, high), (lower, upper) = chain.stated_limits, chain.limits
     named = list(zip(chain.names, chain.turning, low, high, lower, upper, strict=True))
-    locked = [name for name, turns, a, b, c, d in named if not turns and b - a < d - c]
+    with np.errstate(over="ignore"):  # limits of 1e308 are written for none
+        locked = [name for name, turns, a, b, c, d in named if not turns and b - a < d - c]
     missing = [
         f"{cut(name)} ({c:.4g} to {d:.4g} {'rad' if turns else 'm'})"
         for name, turns, a, b, c, d in named

@@ -38,8 +38,6 @@ BLOCK = 2**16  # rows: 7 coordinates of them are 3.7 MB
 MOST_ROWS = 10**12
 _MOST_SEED = 2**64 - 1
 
-GridAxes = Mapping[str, tuple[float, float, int]]
-
 
 class Source(Protocol):
     """Configurations of a chain by number. It is picklable, and light enough to be sent to another process."""

@@ -392,10 +392,11 @@ class SweepWork(InBlocks):
         """Return what the engines say of each output; both results of the worst row where they disagree."""
         found = {}
         for name, peak in zip(self.witness.tolerances, partial.differences, strict=True):
-            certificate = self.witness.certificate(name, None if peak is None else peak.value)
+            numbers = partial.checked * self.witness.row_size(name)
+            certificate = self.witness.certificate(name, None if peak is None else peak.value, numbers=numbers)
             if peak is not None and certificate.agree is False:
                 q = self.source.rows(peak.row, peak.row + 1)
                 values = (self.witness.again(q)[name][0], self.kernel(q)[name][0])
-                certificate = self.witness.certificate(name, peak.value, values)
+                certificate = self.witness.certificate(name, peak.value, values, numbers)
             found[name] = certificate
         return found

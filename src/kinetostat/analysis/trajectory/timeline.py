@@ -157,4 +157,4 @@ def _with(by_kernel: Array, by_engines: Array, proof: Certificate) -> Certificat
     difference = float(np.max(apart, initial=0.0)) if np.all(np.isfinite(apart)) else float("inf")
     largest = max(difference, proof.max_difference or 0.0)
     values = () if largest <= proof.tolerance else (by_engines, by_kernel)
-    return Certificate((*proof.engines, _KERNEL), largest, proof.tolerance, values)
+    return Certificate((*proof.engines, _KERNEL), largest, proof.tolerance, values, proof.numbers)

@@ -6,14 +6,11 @@ import re
 from collections.abc import Iterable
 from functools import partial
 
+from kinetostat.analysis.profile.ends import moving_branches, named_end, tool
 from kinetostat.urdf.description import JointType, Robot
 
 __all__ = ["main_frames", "mirrored_name"]
 
-_TOOLS = (
-    re.compile(r"tool0|tcp|tool|flange|end_?effector|(^|_)ee(_|$)|grasp|gripper_frame", re.IGNORECASE),
-    re.compile(r"foot|sole|palm|(finger|hand)_?tip|(^|_)tip(_|$)", re.IGNORECASE),
-)
 _MOST = 8
 _HAND = 2  # a chain may be so many joints longer than the arm that it is a gripper's part of
 
@@ -25,29 +22,15 @@ def main_frames(robot: Robot) -> tuple[str, ...]:
     frame: the wrist or palm of an arm with a hand, the foot of a leg. Of chains that are parts of one another the
     longest counts, or the one that ends in a tool. Chains with several joints go before lone ones.
     """
-    ahead = _moving_branches(robot)
+    ahead = moving_branches(robot)
     pieces: dict[str, int] = {}
     for tip in robot.tips:
         body, length = _longest_piece(robot, tip, ahead)
         if length:
             pieces.setdefault(body, length)
     long = [body for body in pieces if pieces[body] > 1] or list(pieces)
-    frames = {body: _named_end(robot, body, ahead) for body in _ends_of_limbs(robot, long)}
+    frames = {body: named_end(robot, body, ahead) for body in _ends_of_limbs(robot, long)}
     return tuple(frames.values())[:_MOST]
-
-
-def _moving_branches(robot: Robot) -> dict[str, int]:
-    """Return for each link how many moving joints come next on the ways down from it, over fixed joints."""
-    order, stack = list[str](), [robot.root]
-    while stack:
-        link = stack.pop()
-        order.append(link)
-        stack += [joint.child for joint in robot.child_joints[link]]
-    ahead = dict[str, int]()
-    for link in reversed(order):
-        below = robot.child_joints[link]
-        ahead[link] = sum(ahead[j.child] if j.type is JointType.FIXED else 1 for j in below)
-    return ahead
 
 
 def _longest_piece(robot: Robot, tip: str, ahead: dict[str, int]) -> tuple[str, int]:
@@ -70,30 +53,9 @@ def _ends_of_limbs(robot: Robot, bodies: Iterable[str]) -> list[str]:
     for body, way in above.items():
         for inner in way[1:]:
             if inner in above:
-                short = counts[body] - counts[inner] <= _HAND and _tool(robot, inner) and not _tool(robot, body)
+                short = counts[body] - counts[inner] <= _HAND and tool(robot, inner) and not tool(robot, body)
                 dropped.add(body if short else inner)
     return sorted((body for body in above if body not in dropped), key=lambda body: -counts[body])
-
-
-def _named_end(robot: Robot, body: str, ahead: dict[str, int]) -> str:
-    """Return the frame of a body that is called a tool; else the one where moving branches leave it; else its own."""
-    branching = [link for link in _fixed_to(robot, body) if ahead[link] > 1]
-    return _tool(robot, body) or (branching[-1] if branching else body)
-
-
-def _tool(robot: Robot, body: str) -> str | None:
-    """Return the frame of a body that is called a tool, or else a foot, the one with the shortest name."""
-    links = _fixed_to(robot, body)
-    named = ([link for link in links if words.search(link)] for words in _TOOLS)
-    return next((min(found, key=lambda link: (len(link), link)) for found in named if found), None)
-
-
-def _fixed_to(robot: Robot, body: str) -> list[str]:
-    """Return a link and all that fixed joints join to it, further out, in the order of the tree."""
-    links = [body]
-    for link in links:
-        links += [joint.child for joint in robot.child_joints[link] if joint.type is JointType.FIXED]
-    return links
 
 
 _SIDES = ("left right", "l r", "lf rf", "fl fr", "lh rh", "rl rr", "bl br", "hl hr")

@@ -10,10 +10,10 @@ import msgspec
 import numpy as np
 
 from kinetostat.analysis.configuration import random_configurations
+from kinetostat.analysis.profile.wheels import rolls
 from kinetostat.engines.model import Model
 from kinetostat.errors import KinetostatError, quote
 from kinetostat.policy.draft.chains import main_frames, mirrored_name
-from kinetostat.policy.draft.wheels import rolls
 from kinetostat.policy.expectations import Expectation
 from kinetostat.policy.judging import judge
 from kinetostat.policy.judging.dexterity import measured

@@ -59,7 +59,7 @@ def _robot(robot: RobotSettings) -> Iterator[str]:
     yield "[[robots]]"
     for part in msgspec.structs.fields(robot):
         given = getattr(robot, part.name)
-        if given and part.encode_name != "expect":
+        if given and part.encode_name not in ("expect", "chains"):
             yield f"{part.encode_name} = {value(given)}"
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from kinetostat.analysis.configuration import checked, configuration, neutral
 from kinetostat.analysis.crosscheck import Certificate
+from kinetostat.analysis.named_states import named_states
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import DisagreementError, UsageError, cut, quote
@@ -120,27 +121,11 @@ def _meant(model: Model, word: str, joints: Iterable[Joint] | None) -> list[tupl
     if word != _OF_STATES:
         return [(cut(word), checked(model.robot, configuration(model, word).q))]
     moved = None if joints is None else {joint.name for joint in joints}
-    states = [state for state in _states(model) if moved is None or moved & set(state[1])]
+    states = [state for state in named_states(model) if moved is None or moved & set(state.positions)]
     if not states:
         missing = "no SRDF state moves the frame" if model.semantics.states else "there is no SRDF state"
         raise UsageError(missing, remedy="name configurations in at")
-    return [(label, checked(model.robot, configuration(model, positions).q)) for label, positions in states]
-
-
-def _states(model: Model) -> list[tuple[str, dict[str, tuple[float, ...]]]]:
-    """Return the states with the positions of the joints that can be set; those of groups under one name are joined.
-
-    Where two groups contradict each other under one name, each is a state of its own.
-    """
-    settable = {joint.name for joint in model.robot.independent}
-    found = []
-    for name in model.semantics.state_names():
-        groups = [state for state in model.semantics.states if state.name == name]
-        joined: dict[str, tuple[float, ...]] = {}
-        alone = any(joined.setdefault(joint, at) != at for state in groups for joint, at in state.positions.items())
-        several = [(f"{s.group}/{s.name}", s.positions) for s in groups] if alone else [(name, joined)]
-        found += [(quote(label), {j: at for j, at in part.items() if j in settable}) for label, part in several]
-    return found
+    return [(quote(state.name), checked(model.robot, configuration(model, state.positions).q)) for state in states]
 
 
 def witness(robot: Robot, q: Array, joints: Iterable[Joint]) -> dict[str, float]:

@@ -20,8 +20,9 @@ from kinetostat.report.check.words import (
     skipped_by_reason,
     totals_text,
 )
+from kinetostat.report.fleet.document import FindingRow
 
-__all__ = ["LONGEST", "code", "escaped", "render"]
+__all__ = ["LONGEST", "code", "escaped", "finding_line", "fitting", "left_out", "render"]
 
 LONGEST = 60_000  # characters; GitHub refuses comments of more than 65,536
 _VERDICTS = {Verdict.PASS: "passed", Verdict.FAIL: "**failed**", Verdict.CRASHED: "**crashed**"}
@@ -44,17 +45,17 @@ def render(report: CheckReport, *, longest: int = LONGEST) -> str:
     rows = [_row(file) for file in files]
     blocks = [block for file in files if (block := _details(file))]
     room = longest - len(head) - 500  # for what is said of what is left out
-    shown_rows = _fitting(rows, room // 2)
-    shown_blocks = _fitting(blocks, room - sum(map(len, shown_rows)))
+    shown_rows = fitting(rows, room // 2)
+    shown_blocks = fitting(blocks, room - sum(map(len, shown_rows)))
     parts = [head]
     if rows:
         parts.append("\n| file | verdict | findings |\n| --- | --- | --- |\n" + "".join(shown_rows))
-        parts.append(_left_out(len(rows) - len(shown_rows), "file"))
-    parts += [*shown_blocks, _left_out(len(blocks) - len(shown_blocks), "file", " with findings")]
+        parts.append(left_out(len(rows) - len(shown_rows), "file"))
+    parts += [*shown_blocks, left_out(len(blocks) - len(shown_blocks), "file", " with findings")]
     return encodable("".join(parts))
 
 
-def _fitting(parts: list[str], room: int) -> list[str]:
+def fitting(parts: list[str], room: int) -> list[str]:
     """Return the first parts, as many as there is room for."""
     kept = list[str]()
     for part in parts:
@@ -65,7 +66,8 @@ def _fitting(parts: list[str], room: int) -> list[str]:
     return kept
 
 
-def _left_out(count: int, what: str, more: str = "") -> str:
+def left_out(count: int, what: str, more: str = "") -> str:
+    """Return how much there is no room for; empty if there is nothing."""
     return f"\n... and {counted(count, what)}{more}, for which there is no room here.\n" if count else ""
 
 
@@ -78,8 +80,8 @@ def _details(file: FileCheck) -> str:
     items = [f"- {item}\n" for item in _items(file)]
     if not items:
         return ""
-    kept = _fitting(items, _LONGEST_DETAILS)
-    left = _left_out(len(items) - len(kept), "line")
+    kept = fitting(items, _LONGEST_DETAILS)
+    left = left_out(len(items) - len(kept), "line")
     opened = "" if file.verdict is Verdict.PASS else " open"
     summary = f"{code(file.path)}: {escaped(reasons(file))}"
     return f"\n<details{opened}><summary>{summary}</summary>\n\n{''.join(kept)}{left}\n</details>\n"
@@ -91,7 +93,7 @@ def _items(file: FileCheck) -> Iterator[str]:
         yield f"**crashed**: {escaped(file.reason) or 'no reason is known'}"
     for finding in file.findings:
         if finding.severity is not Severity.INFO:
-            yield _finding(finding)
+            yield finding_line(finding)
     if file.agreement is not None and not file.agreement.agree:
         yield f"**cross-check**: {escaped(agreement_text(file.agreement))}"
         for disagreement in file.agreement.disagreements:
@@ -103,7 +105,8 @@ def _items(file: FileCheck) -> Iterator[str]:
         yield f"not asked: {escaped(codes)} ({escaped(reason)})"
 
 
-def _finding(finding: Finding) -> str:
+def finding_line(finding: Finding | FindingRow) -> str:
+    """Return a finding in a line."""
     place = f" {code(finding.file)}" if finding.file else ""
     place += f" line {finding.line}" if finding.line else ""
     hint = f" *{escaped(finding.hint)}*" if finding.hint else ""

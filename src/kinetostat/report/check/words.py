@@ -14,6 +14,7 @@ from kinetostat.gate.result import CheckReport, FileCheck, Verdict
 from kinetostat.lint.finding import Finding, Severity
 from kinetostat.lint.registry import RULES
 from kinetostat.policy.outcome import Outcome
+from kinetostat.report.fleet.document import Agreed, FindingRow
 
 __all__ = [
     "Totals",
@@ -123,25 +124,26 @@ def reasons(file: FileCheck) -> str:
     return ", ".join(parts)
 
 
-def finding_text(finding: Finding) -> str:
+def finding_text(finding: Finding | FindingRow) -> str:
     """Return a finding in a line: the element, and what is wrong with it."""
     return ": ".join(printable(part) for part in (finding.element, finding.message) if part)
 
 
-def configuration_text(configuration: Mapping[str, float]) -> str:
+def configuration_text(configuration: Mapping[str, float], digits: int = 6) -> str:
     """Return a configuration in words: positions that are not zero, rad and m; empty if there is none."""
     if not configuration:
         return ""
-    moved = [f"{cut(name)} {value:.6g}" for name, value in configuration.items() if value != 0]
+    moved = [f"{cut(name)} {value:.{digits}g}" for name, value in configuration.items() if value != 0]
     more = f", and {len(moved) - _MOST_JOINTS} more" if len(moved) > _MOST_JOINTS else ""
     return "at " + ", ".join(moved[:_MOST_JOINTS]) + more if moved else "at zero"
 
 
-def agreement_text(agreement: Agreement) -> str:
+def agreement_text(agreement: Agreement | Agreed) -> str:
     """Return in words how far the readers agree."""
     compared = f"{counted(agreement.frames, 'frame')} x {counted(agreement.configurations, 'configuration')}"
     by = " and ".join(filter(None, (", ".join(agreement.readers[:-1]), *agreement.readers[-1:])))
-    apart = f"largest difference {agreement.max_difference:.1e}, tolerance {agreement.tolerance:.1e}"
+    largest = "not known" if agreement.max_difference is None else f"{agreement.max_difference:.1e}"
+    apart = f"largest difference {largest}, tolerance {agreement.tolerance:.1e}"
     return printable(f"{by} {'agree' if agreement.agree else 'DISAGREE'}: {compared}, {apart}")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,16 @@ from kinetostat.conventions import Array
 from kinetostat.report.figures.sheet import BLUE, VERMILION, Entry, rounded
 from kinetostat.report.figures.views import NEGLIGIBLE
 
-__all__ = ["Shape", "draw_ellipsoid", "ellipsoid_entries", "number", "shapes_of"]
+__all__ = [
+    "Shape",
+    "draw_ellipsoid",
+    "ellipsoid_entries",
+    "ellipsoid_entry",
+    "number",
+    "shapes_of",
+    "to_one_scale",
+    "unbounded_entry",
+]
 
 _LONGEST_AXIS = 0.42  # of the arm's size: how long an ellipsoid's longest axis may be drawn
 _OUTLINES: dict[str, dict[str, Any]] = {  # not told apart by colour alone
@@ -61,12 +70,23 @@ def _principal(axes: Array) -> tuple[Array, Array]:
     return turned, size
 
 
+def to_one_scale(shapes: Sequence[Shape]) -> list[Shape]:
+    """Return the shapes, all to the scale of the largest."""
+    scale = min((shape.scale for shape in shapes if _finite_length(shape.lengths) > 0), default=1.0)
+    return [replace(shape, scale=scale) for shape in shapes]
+
+
+def _finite_length(lengths: Array) -> float:
+    """Return the longest that has an end; 0 if there is none."""
+    return float(lengths[np.isfinite(lengths)].max(initial=0.0))
+
+
 def shapes_of(block: Block, turned: Array, size: float) -> tuple[Shape, ...]:
     """Return the ellipsoids of velocity and force, their rows turned (3, 3), readable beside an arm of a size in m."""
     shapes = []
     for name, ellipsoid, unitless in (("velocity", block.velocity, "m/m"), ("force", block.force, "N/N")):
         unit = {"1": unitless, "mixed": "mixed units"}.get(ellipsoid.unit, ellipsoid.unit)
-        longest = float(ellipsoid.lengths[np.isfinite(ellipsoid.lengths)].max(initial=0.0))
+        longest = _finite_length(ellipsoid.lengths)
         scale = rounded(_LONGEST_AXIS * size / longest, (1, 2, 3, 5)) if longest > 0 else 1.0
         shapes.append(Shape(name, turned[:, block.task.rows] @ ellipsoid.axes, ellipsoid.lengths, unit, scale))
     return tuple(shapes)
@@ -99,17 +119,28 @@ def draw_ellipsoid(ax: Any, shape: Shape, view: Array, middle: Array, reach: flo
 
 def ellipsoid_entries(shapes: Sequence[Shape], views: Sequence[Array]) -> list[Entry]:
     """Return legend entries for the ellipsoids: scale, lengths of their axes, what is infinite."""
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
     entries = list[Entry]()
     for shape in shapes:
-        outline = _OUTLINES[shape.name]
-        entries.append((Patch(**outline), _words(shape, views)))
+        entries.append(ellipsoid_entry(shape, _words(shape, views)))
         if any(shape.directions(view).size for view in views):
-            line = {"color": outline["edgecolor"], "linewidth": 1.1, "marker": ">", "markersize": 4, "markevery": [1]}
-            entries.append((Line2D([], [], **line), f"{shape.name} without bound: held without any torque"))
+            entries.append(unbounded_entry(shape))
     return entries
+
+
+def ellipsoid_entry(shape: Shape, words: str) -> Entry:
+    """Return the legend entry of an ellipsoid."""
+    from matplotlib.patches import Patch
+
+    return Patch(**_OUTLINES[shape.name]), words
+
+
+def unbounded_entry(shape: Shape) -> Entry:
+    """Return the legend entry of the arrows along which an ellipsoid has no end."""
+    from matplotlib.lines import Line2D
+
+    line: dict[str, Any] = {"linewidth": 1.1, "marker": ">", "markersize": 4, "markevery": [1]}
+    arrow = Line2D([], [], color=_OUTLINES[shape.name]["edgecolor"], **line)
+    return arrow, f"{shape.name} without bound: held without any torque"
 
 
 def _words(shape: Shape, views: Sequence[Array]) -> str:

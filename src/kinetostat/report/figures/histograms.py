@@ -26,16 +26,29 @@ if TYPE_CHECKING:
 
     from kinetostat.analysis.sweeping.sweep import Distribution, Sweep
 
-__all__ = ["MOST", "heading", "histogram_figure", "panel_sheet", "shown_title", "worth_drawing"]
+__all__ = [
+    "MEDIAN",
+    "MOST",
+    "bars_entry",
+    "draw_histogram",
+    "heading",
+    "histogram_figure",
+    "line_entry",
+    "panel_sheet",
+    "same_everywhere",
+    "shown_title",
+    "worth_drawing",
+]
 
 _ALONE = (5.2, 2.8)  # in, of a panel that is the only one
 _BESIDE, _HEIGHT = 2, 1.6  # panels side by side; in, of each
 _BETWEEN = 0.62  # in, from one row of panels to the next: tick labels and the label of the axis
 _BINS = 40
+_ROUNDING = 1e-9  # of the largest value: what columns differ by that have one value
 _LONGEST, _SHORTEST = 40, 10  # characters of a title, and of the part of a measure in it
 MOST = 12  # panels of a figure
 _BARS: dict[str, Any] = {"facecolor": BLUE, "edgecolor": "none"}
-_MEDIAN: dict[str, Any] = {"color": VERMILION, "linewidth": 1.6}
+MEDIAN: dict[str, Any] = {"color": VERMILION, "linewidth": 1.6}
 _ENDS: dict[str, Any] = {"color": VERMILION, "linewidth": 1.1, "linestyle": (0, (4, 2))}
 _MEAN: dict[str, Any] = {"color": INK, "linewidth": 1.1, "linestyle": (0, (1, 1.5))}
 
@@ -55,8 +68,15 @@ def histogram_figure(result: Sweep) -> Figure:
 
 
 def worth_drawing(result: Sweep) -> list[Distribution]:
-    """Return the columns that have several values."""
-    return [one for one in result.measures.values() if len(one.histogram().counts) > 1]
+    """Return the columns that have several values, beyond what rounding makes."""
+    return [one for one in result.measures.values() if _varies(one)]
+
+
+def _varies(one: Distribution) -> bool:
+    if one.minimum is None or one.maximum is None:
+        return False
+    low, high = one.minimum.value, one.maximum.value
+    return high - low > _ROUNDING * max(abs(low), abs(high)) and len(one.histogram().counts) > 1
 
 
 def heading(result: Sweep, columns: Sequence[Distribution]) -> tuple[str, list[str]]:
@@ -66,10 +86,14 @@ def heading(result: Sweep, columns: Sequence[Distribution]) -> tuple[str, list[s
         lines.append(f"partial: interrupted before all {result.requested:,}")
     if len(columns) > MOST:
         lines.append(f"the first {MOST} of {len(columns)} columns")
-    if left := [one for one in result.measures.values() if one not in columns]:
-        more = f" and {len(left) - 3} more" if len(left) > 3 else ""
-        lines.append(f"the same everywhere: {', '.join(map(_said, left[:3]))}{more}")
+    lines += same_everywhere([one for one in result.measures.values() if one not in columns])
     return f"{named(result.velocity.of)} in {result.count:,} configurations", lines
+
+
+def same_everywhere(columns: Sequence[Distribution]) -> list[str]:
+    """Return a line that tells of columns with one value, if there are any."""
+    more = f" and {len(columns) - 3} more" if len(columns) > 3 else ""
+    return [f"the same everywhere: {', '.join(map(_said, columns[:3]))}{more}"] if columns else []
 
 
 def shown_title(one: Distribution) -> str:
@@ -122,26 +146,42 @@ def panel_sheet(
 
 def _entries() -> list[Entry]:
     """Return the legend."""
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
     return [
-        (Patch(**_BARS), "share of the configurations"),
-        (Line2D([], [], **_MEDIAN), "median"),
-        (Line2D([], [], **_ENDS), "5 % and 95 %"),
-        (Line2D([], [], **_MEAN), "mean"),
+        bars_entry(),
+        line_entry("median", MEDIAN),
+        line_entry("5 % and 95 %", _ENDS),
+        line_entry("mean", _MEAN),
     ]
 
 
+def bars_entry() -> Entry:
+    """Return the legend entry of the bars."""
+    from matplotlib.patches import Patch
+
+    return Patch(**_BARS), "share of the configurations"
+
+
+def line_entry(words: str, style: dict[str, Any]) -> Entry:
+    """Return the legend entry of a line across the bars."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], **style), words
+
+
 def _draw(ax: Any, one: Distribution) -> None:
+    marks = [(one.mean, "mean", _MEAN), *((one.quantile(p), f"{p:g}", _ENDS) for p in (0.05, 0.95))]
+    draw_histogram(ax, one, [*marks, (one.quantile(0.5), "0.5", MEDIAN)])
+
+
+def draw_histogram(ax: Any, one: Distribution, marks: Sequence[tuple[float, str, dict[str, Any]]]) -> None:
+    """Draw a column's histogram with lines across it: value, label, style; those that are no number are left out."""
     shown = reading(one.column)
     ax.set_xlabel(shown_title(one), labelpad=2)
     ax.set_ylabel("share [%]", labelpad=2)
     found = one.histogram(_BINS)
     edges = shown.factor * found.edges
     ax.stairs(100 * found.counts / np.sum(found.counts), edges, fill=True, label="bars", **_BARS)
-    marks = [(one.mean, "mean", _MEAN), *((one.quantile(p), f"{p:g}", _ENDS) for p in (0.05, 0.95))]
-    for value, label, style in [*marks, (one.quantile(0.5), "0.5", _MEDIAN)]:
+    for value, label, style in marks:
         if np.isfinite(value):
             ax.axvline(shown.factor * value, label=label, **style)
     low, high = float(edges[0]), float(edges[-1])

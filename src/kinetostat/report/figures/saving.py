@@ -13,7 +13,7 @@ from kinetostat.report.writing import write_whole
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_suffix", "save"]
+__all__ = ["check_suffix", "rendered", "save"]
 
 _UNDATED: dict[str, Any] = {".svg": {"Date": None}, ".png": {}, ".pdf": {"CreationDate": None}}
 
@@ -42,7 +42,12 @@ def save(figure: Figure, path: Path) -> None:
         UsageError: another suffix; the file cannot be written.
     """
     check_suffix(path)
-    suffix, content = path.suffix.lower(), io.BytesIO()
+    write_whole(path, rendered(figure, path.suffix.lower()))
+
+
+def rendered(figure: Figure, suffix: str) -> bytes:
+    """Return the bytes of a file with one of the suffixes .svg, .png and .pdf."""
+    content = io.BytesIO()
     with house_style():
         figure.savefig(content, format=suffix[1:], metadata=_UNDATED[suffix])
-    write_whole(path, content.getvalue())
+    return content.getvalue()

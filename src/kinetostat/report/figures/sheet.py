@@ -9,6 +9,7 @@ import math
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -73,6 +74,7 @@ def named(name: str, longest: int = 28) -> str:
     return cut(name, longest).replace("$", r"\$")
 
 
+@lru_cache(maxsize=4096)
 def text_width(text: str, size: float = 8, weight: str = "normal") -> float:
     """Return the width of a line of text in inches, its size being in points."""
     from matplotlib.font_manager import FontProperties
@@ -139,6 +141,14 @@ def sheet(
         texts = ["\n".join(_fitted(line, right - left - 0.55) for line in text.split("\n")) for _, text in entries]
         figure.legend([handle for handle, _ in entries], texts, bbox_to_anchor=(left / width, foot / height))
     return figure, axes
+
+
+def empty_sheet(title: str, lines: Sequence[str]) -> Figure:
+    """Return a figure that shows nothing, and says why."""
+    with house_style():
+        figure, (ax,) = sheet([(WIDTH - MARGINS, 0.2)], title, lines, [[]])
+        ax.set_axis_off()
+        return figure
 
 
 def to_scale(ax: Any, box: Array, directions: Sequence[str]) -> None:

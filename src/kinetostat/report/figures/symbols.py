@@ -11,7 +11,7 @@ from kinetostat.analysis.skeleton import Pivot, Skeleton
 from kinetostat.conventions import Array
 from kinetostat.report.figures.sheet import INK, Entry, named
 
-__all__ = ["draw_symbols", "symbol_entries"]
+__all__ = ["GROUND", "draw_symbols", "marker_of", "symbol_entries"]
 
 _Lines = Sequence[Sequence[tuple[float, float]]]  # closed polylines around the place that they mark
 
@@ -33,15 +33,33 @@ _JOINTS: dict[str, tuple[_Lines, str]] = {  # axes to the right
     "slides along": ([[(-10, 0), (-4.6, 0)], _box(4.6, 4.6), [(4.6, 0), (10, 0)]], "joint that slides along the line"),
     "free": ([_diamond(6.5)], "joint that moves in a plane, or floats"),
 }
+GROUND = "ground"
 _GROUND = [
     [(0.0, 0.0), (-6.0, -8.0), (6.0, -8.0)],
     [(-10.0, -8.0), (10.0, -8.0)],
     *([(x, -8.0), (x - 4.0, -12.0)] for x in (-6.0, -2.0, 2.0, 6.0, 10.0)),
 ]
 _TOOL = [_diamond(4.6)]
+_ALONE: dict[str, _Lines] = {
+    "turns": _JOINTS["turns"][0],
+    "endless": [*_JOINTS["turns"][0], [(0.5 * x, 0.5 * y) for x, y in reversed(_JOINTS["turns"][0][0])]],  # a ring
+    "screws": [_box(7, 3.4)],
+    "slides": _JOINTS["slides"][0],
+    "free": _JOINTS["free"][0],
+    "folded": [_box(4.4, 4.4), [(-2, 6), (-2, 7.6), (7.6, 7.6), (7.6, -2), (6, -2), (6, 6)]],
+    GROUND: _GROUND,
+}
 _JOINT_STYLE: dict[str, Any] = {"markerfacecolor": "white", "markeredgecolor": INK, "markeredgewidth": 1.3}
 _GROUND_STYLE: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": "#555555", "markeredgewidth": 0.9}
 _TOOL_STYLE: dict[str, Any] = {"markerfacecolor": INK, "markeredgecolor": "white", "markeredgewidth": 0.9}
+
+
+def marker_of(symbol: str, size: float = 1.0) -> dict[str, Any]:
+    """Return the marker of a symbol that stands alone, seen from no side.
+
+    It is one of turns, endless, screws, slides, free, folded, and ground.
+    """
+    return _marker(_ALONE[symbol], size=size)
 
 
 def _marker(lines: _Lines, direction: Any = (1, 0), size: float = 1.0) -> dict[str, Any]:
@@ -66,15 +84,15 @@ def _seen(pivot: Pivot, view: Array) -> tuple[str, Any]:
     return "slides along" if pivot.kind == "sliding" else "turns about", axis / length
 
 
-def draw_symbols(ax: Any, arm: Skeleton, view: Array) -> None:
-    """Draw ground, joints and tool where they are."""
+def draw_symbols(ax: Any, arm: Skeleton, view: Array, size: float = 1.0) -> None:
+    """Draw ground, joints and tool where they are; their size is that of a large panel's."""
     points = arm.points @ view.T
-    ax.plot(*points[:1].T, **_marker(_GROUND), **_GROUND_STYLE, zorder=2.9)
+    ax.plot(*points[:1].T, **_marker(_GROUND, size=size), **_GROUND_STYLE, zorder=2.9)
     for pivot in arm.pivots:
         symbol, direction = _seen(pivot, view)
         place = points[[pivot.vertex]].T
-        ax.plot(*place, **_marker(_JOINTS[symbol][0], direction), **_JOINT_STYLE, zorder=4)
-    ax.plot(*points[-1:].T, **_marker(_TOOL), **_TOOL_STYLE, zorder=5)
+        ax.plot(*place, **_marker(_JOINTS[symbol][0], direction, size), **_JOINT_STYLE, zorder=4)
+    ax.plot(*points[-1:].T, **_marker(_TOOL, size=size), **_TOOL_STYLE, zorder=5)
 
 
 def symbol_entries(arm: Skeleton, views: Sequence[Array]) -> list[Entry]:

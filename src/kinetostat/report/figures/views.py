@@ -10,7 +10,7 @@ from kinetostat.analysis.skeleton import Skeleton
 from kinetostat.conventions import Array
 from kinetostat.report.figures.sheet import GAP, MARGINS, WIDTH
 
-__all__ = ["NEGLIGIBLE", "in_words", "scaled", "views_of"]
+__all__ = ["NEGLIGIBLE", "in_words", "scaled", "view_of_all", "views_of"]
 
 NEGLIGIBLE = 1e-6  # of the largest: thinner than any line
 _X, _Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -33,6 +33,13 @@ def views_of(arm: Skeleton) -> list[Array]:
     if spread[2, 2] < aside @ spread @ aside * (1 - 1e-9):
         return [_plane(_Z), front]
     return [front, _plane(front[0])]
+
+
+def view_of_all(arms: Sequence[Skeleton]) -> Array:
+    """Return the one drawing plane (2, 3), of those that each arm would have first, that shows most of all of them."""
+    seen = [views_of(arm)[0] for arm in arms]
+    shown = [sum(float(np.trace(view @ _spread(arm.points) @ view.T)) for arm in arms) for view in seen]
+    return seen[int(np.argmax(np.array(shown) > max(shown) * (1 - 1e-9)))]
 
 
 def _least_spread(spread: Array, across: Array) -> Array:

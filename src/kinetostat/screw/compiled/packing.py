@@ -98,7 +98,7 @@ def _pack(
         frames.append(se3.placement(so3.carry_z_to(axis), origin))
         steps.append(se3.inverse(before) @ frames[i])
     steps.append((se3.inverse(frames[-1]) if frames else np.eye(4)) @ home)
-    drivers = np.argmax(np.abs(fold), axis=1) if count else np.zeros(0, dtype=np.int64)
+    drivers = _drivers(fold)
     packed = PackedScrews(
         np.array(steps)[:, :3, :].reshape(-1, 12),
         np.array(parents, dtype=np.int64),
@@ -106,7 +106,19 @@ def _pack(
         slides,
         np.take_along_axis(fold, drivers[:, None], axis=1)[:, 0] if count else np.zeros(0),
         np.asarray(offset, dtype=np.float64),
-        drivers.astype(np.int64),
+        drivers,
         np.array([driver not in drivers[:i] for i, driver in enumerate(drivers)], dtype=np.bool_),
     )
     return packed, frames
+
+
+def _drivers(fold: Array) -> npt.NDArray[np.int64]:
+    """Return the coordinate of each screw, (s, n) -> (s,). Every coordinate has one, if need be an idle one.
+
+    A coordinate without a screw is the leader of followers that never move (multiplier 0); its columns are zero.
+    """
+    drivers = np.argmax(np.abs(fold), axis=1) if len(fold) else np.zeros(0, dtype=np.int64)
+    idle, lost = np.flatnonzero(~np.any(fold, axis=1)), np.flatnonzero(~np.any(fold, axis=0))
+    pairs = min(len(idle), len(lost))
+    drivers[idle[:pairs]] = lost[:pairs]
+    return drivers.astype(np.int64)

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetostat.analysis.configuration import neutral, random_configurations
+from kinetostat.analysis.profile.grippers import without_gripper
 from kinetostat.conventions import Array, Reference
 from kinetostat.engines.screw import ScrewEngine
 from kinetostat.errors import quote
-from kinetostat.lint.grippers import without_gripper
 from kinetostat.lint.subject import Subject, once
 from kinetostat.urdf.description import Joint, JointType, Robot
 

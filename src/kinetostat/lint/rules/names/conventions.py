@@ -6,9 +6,9 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
+from kinetostat.analysis.profile.grippers import without_gripper
 from kinetostat.errors import quote
 from kinetostat.lint.finding import Finding, Severity
-from kinetostat.lint.grippers import without_gripper
 from kinetostat.lint.grouping import also
 from kinetostat.lint.rule import Example, Needs, Rule
 from kinetostat.lint.subject import Subject, end_of, name_of

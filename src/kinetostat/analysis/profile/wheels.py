@@ -1,4 +1,4 @@
-"""Wheels and casters: chains of which no reach and no dexterity is expected."""
+"""Wheels, casters and rotors: chains of which no reach and no dexterity is expected."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from kinetostat.conventions import Velocity
 from kinetostat.engines.model import Model
 from kinetostat.urdf.description import Joint, JointType
 
-__all__ = ["rolls"]
+__all__ = ["rolls", "spins"]
 
 _SAMPLES = 8  # random configurations, the largest rank of which is that of almost every one
 _ZERO = 1e-6  # of the robot's size
+_TURNS = 4.1 * np.pi  # rad: a range beyond two turns is none (that of many wrists is two)
 _BALANCED = 0.5  # of a body's radius of gyration: a centre of mass nearer to the axis than that is a wheel's
 
 
@@ -23,11 +24,31 @@ def rolls(model: Model, frame: str) -> bool:
     centred (a pendulum's is not); and the joints above move that origin along a curve at most, as a caster's swivel
     does. An arm, or a leg with a wheel, whose last joint is endless moves its origin in more directions.
     """
-    robot = model.robot
-    way = [joint for joint, _ in robot.path(robot.root, frame) if joint.type is not JointType.FIXED]
-    if not way or way[-1].type is not JointType.CONTINUOUS or way[-1].mimic is not None:
+    last = _last(model, frame)
+    return last is not None and last.type is JointType.CONTINUOUS and _goes_nowhere(model, frame, last)
+
+
+def spins(model: Model, frame: str) -> bool:
+    """Return whether a chain ends in a wheel, a caster or a rotor: as `rolls`, but many turns count as endless.
+
+    Simulators' drones have rotors that are revolute joints with limits of 1e16 rad.
+    """
+    last = _last(model, frame)
+    if last is None or last.type not in (JointType.CONTINUOUS, JointType.REVOLUTE):
         return False
-    return _balanced(model, way[-1]) and _moved_along_a_curve(model, frame, way[-1])
+    lower, upper = last.limit.range
+    endless = last.type is JointType.CONTINUOUS or upper - lower > _TURNS
+    return endless and _goes_nowhere(model, frame, last)
+
+
+def _last(model: Model, frame: str) -> Joint | None:
+    """Return the joint that carries a frame, if it moves by itself."""
+    joint = next((j for j in model.robot.to_root(frame) if j.type is not JointType.FIXED), None)
+    return None if joint is None or joint.mimic is not None else joint
+
+
+def _goes_nowhere(model: Model, frame: str, last: Joint) -> bool:
+    return _balanced(model, last) and _moved_along_a_curve(model, frame, last)
 
 
 def _balanced(model: Model, joint: Joint) -> bool:

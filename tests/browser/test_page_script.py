@@ -1,0 +1,186 @@
+"""The page of a report in a browser: its script, its width, its policy; documents made by hand."""
+
+import itertools
+
+import pytest
+
+from kinetostat.report.fleet.page import page as html_of
+from report.fleet import fleet_documents as made
+
+SHOWN = "[...document.querySelectorAll('#chains tbody tr')].filter(row => !row.hidden)"
+
+
+class Visit:
+    """A page in a tab, and what it has asked for and complained of."""
+
+    def __init__(self, browser, folder, document):
+        path = folder / "index.html"
+        path.write_text(html_of(document, made.drawings(document)), encoding="utf-8")
+        self.tab = browser.new_page(viewport={"width": 1400, "height": 900})
+        self.said, self.asked = [], []
+        self.tab.on("console", lambda message: self.said.append(message.text))
+        self.tab.on("pageerror", lambda error: self.said.append(str(error)))
+        self.tab.on("dialog", lambda dialog: (self.said.append(dialog.message), dialog.dismiss()))
+        self.tab.on("request", lambda request: self.asked.append(request.url))
+        self.uri = path.as_uri()
+        self.tab.goto(self.uri)
+
+    def rows(self, cell=0):
+        return self.tab.evaluate(f"{SHOWN}.map(row => row.cells[{cell}].textContent.trim())")
+
+    def press(self, column):
+        self.tab.click(f"#chains thead th:nth-child({column + 1}) button")
+
+    def is_open(self, robot):
+        return self.tab.evaluate(f"document.getElementById('{robot}').open")
+
+
+@pytest.fixture
+def visit(browser, tmp_path):
+    visits = []
+
+    def opened(document):
+        visits.append(Visit(browser, tmp_path, document))
+        return visits[-1]
+
+    yield opened
+    for one in visits:
+        one.tab.close()
+
+
+@pytest.fixture
+def fleet(visit):
+    return visit(made.fleet())
+
+
+def test_it_asks_for_nothing_and_complains_of_nothing(fleet):
+    fleet.press(4)
+    fleet.tab.click("#chains tbody a")
+    assert fleet.asked == [fleet.uri]
+    assert fleet.said == []
+
+
+def test_hostile_names_run_nothing(visit):
+    hostile = visit(made.hostile(made.fleet(), "".join(made.HOSTILE[:12])))
+    hostile.press(0)
+    assert hostile.asked == [hostile.uri]
+    assert hostile.said == []
+
+
+def test_the_policy_stops_what_is_not_of_the_page(browser, tmp_path):
+    path, document, said = tmp_path / "index.html", made.fleet(), []
+    alien = "<script>document.title = 'taken'</script><style>h1 { color: red }</style><p style='color: red'>"
+    html = html_of(document, made.drawings(document)).replace("</main>", f"{alien}</main>")
+    path.write_text(html, encoding="utf-8")
+    tab = browser.new_page()
+    tab.on("console", lambda message: said.append(message.text))
+    tab.goto(path.as_uri())
+    assert tab.title() == "5 robots: kinetostat report"
+    assert len(said) == 3
+    assert all("Content Security Policy" in text for text in said)
+    tab.close()
+
+
+def test_numbers_are_sorted_up_and_down_and_what_is_missing_comes_last(fleet):
+    key = "row => { let at = 0; for (const c of row.cells) { if (at === %d) return c.colSpan > 1 ? null : "
+    key += "c.dataset.value ?? null; at += c.colSpan } return null }"
+    ways = ((1, "ascending"), (-1, "descending"))
+    for column, (sign, name) in itertools.product(range(2, 13), ways):
+        fleet.press(column)
+        values = fleet.tab.evaluate(f"{SHOWN}.map({key % column})")
+        known = [sign * float(value) for value in values if value is not None]
+        assert known == sorted(known)
+        assert values[len(known) :] == [None] * (len(values) - len(known))
+        head = f"#chains thead th:nth-child({column + 1})"
+        assert fleet.tab.get_attribute(head, "aria-sort") == name
+    assert fleet.tab.locator("#chains [aria-sort]").count() == 1
+
+
+def test_rows_that_are_equal_stay_in_order(fleet):
+    fleet.press(0)
+    before = fleet.rows()
+    fleet.press(2)
+    joints = fleet.tab.evaluate(f"{SHOWN}.map(row => row.cells[2].dataset.value)")
+    for number in set(joints):
+        kept = [name for name, value in zip(fleet.rows(), joints, strict=True) if value == number]
+        assert kept == sorted(kept, key=before.index)
+
+
+def test_names_are_sorted_as_people_do(visit):
+    robots = [made.robot(f"r{i}", name, chains=()) for i, name in enumerate(("ur10", "Zeta", "ur5", "alpha"), 1)]
+    one = visit(made.document(*robots))
+    one.press(0)
+    assert one.rows() == ["alpha", "ur5", "ur10", "Zeta"]
+
+
+def test_it_is_sorted_by_the_keyboard_too(fleet):
+    fleet.tab.focus("#chains thead th:nth-child(5) button")
+    fleet.tab.keyboard.press("Enter")
+    assert fleet.tab.get_attribute("#chains thead th:nth-child(5)", "aria-sort") == "ascending"
+
+
+def test_it_is_filtered_by_words_status_and_joints(fleet):
+    count = fleet.tab.locator("#count")
+    assert count.inner_text() == "4 of 4 chains, and 2 robots without"
+    fleet.tab.fill("#search", "ARM two-")
+    assert fleet.rows(1) == ["left_arm", "right_arm"]
+    assert count.inner_text() == "2 of 4 chains"
+    fleet.tab.fill("#search", "")
+    for status, names in (("failed", ["robots/broken.urdf"]), ("disagree", ["two-armed", "two-armed"])):
+        fleet.tab.select_option("#status", status)
+        assert fleet.rows() == names
+    fleet.tab.select_option("#status", "")
+    fleet.tab.fill("#joints", "4")
+    assert fleet.rows() == ["robots/broken.urdf"], "a robot that failed stays visible"
+    fleet.tab.fill("#joints", "3")
+    assert count.inner_text() == "4 of 4 chains, and 1 robot without"
+
+
+def test_a_link_opens_what_it_leads_to(fleet):
+    assert not fleet.is_open("r2")
+    fleet.tab.click("#chains a[href='#r2-2']")
+    fleet.tab.wait_for_function("document.getElementById('r2').open")
+    assert abs(fleet.tab.locator("#r2-2").bounding_box()["y"]) < 60
+    fleet.tab.click("text=Close all")
+    assert not fleet.is_open("r2")
+    fleet.tab.click("#chains a[href='#r2-2']")
+    fleet.tab.wait_for_function("document.getElementById('r2').open")
+    fleet.tab.click("text=Open all")
+    assert fleet.tab.locator("details.robot[open]").count() == 5
+
+
+def test_an_address_with_a_place_opens_there(fleet):
+    fleet.tab.goto("about:blank")
+    fleet.tab.goto(f"{fleet.uri}#r3-1")
+    assert fleet.is_open("r3")
+    assert not fleet.is_open("r1")
+
+
+def test_all_of_it_is_printed_and_folded_as_before_afterwards(fleet):
+    fleet.tab.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert fleet.tab.locator("details:not([open])").count() == 0
+    fleet.tab.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert fleet.tab.locator("details.robot[open]").count() == 0
+    assert fleet.tab.pdf().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize("text", ["", "".join(made.HOSTILE[:11]), "x" * 10_000])
+def test_the_page_never_scrolls_sideways(visit, text):
+    one = visit(made.hostile(made.fleet(), text) if text else made.fleet())
+    one.tab.evaluate("document.querySelectorAll('details').forEach(part => { part.open = true })")
+    for width in (320, 360, 700, 1000, 1343, 1344, 1400, 2000):
+        one.tab.set_viewport_size({"width": width, "height": 800})
+        assert one.tab.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_without_its_script_the_table_is_whole(browser, tmp_path):
+    path = tmp_path / "index.html"
+    document = made.fleet()
+    path.write_text(html_of(document, made.drawings(document)), encoding="utf-8")
+    context = browser.new_context(java_script_enabled=False)
+    tab = context.new_page()
+    tab.goto(path.as_uri())
+    assert tab.locator("#chains tbody tr:visible").count() == 6
+    assert not tab.locator("#filters").is_visible()
+    assert not tab.locator("#folding").is_visible()
+    context.close()

@@ -1,0 +1,130 @@
+"""`kinetostat report`: what is written, said and answered; Ctrl-C and SIGTERM leave nothing half."""
+
+import json
+import signal
+import subprocess
+import sys
+
+import msgspec
+import pytest
+
+from kinetostat.report.fleet import fleet as module
+from processes import descendants, runs, wait_for
+from report.fleet.robots import chain
+
+FILES = ["index.html", "report.json", "report.md", "robots.csv"]
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    (tmp_path / "arm.urdf").write_text(chain("revolute", 2))
+    return tmp_path
+
+
+def robots(folder):
+    return json.loads((folder / "report.json").read_text())["robots"]
+
+
+def test_the_four_files_are_written_and_the_page_is_named(cli, here):
+    found = cli("report", "arm.urdf", "-o", "out/deep", "--samples", "20", "--payload", "0.5", "--seed", "3")
+    assert found.code == 0, found.err
+    assert found.out == "out/deep/index.html\n"
+    assert sorted(path.name for path in (here / "out" / "deep").iterdir()) == FILES
+    (line,) = found.err.splitlines()
+    assert line.startswith("kinetostat: note: out/deep: 1 robot, 1 chain; ")
+    assert "numbers computed twice, in " in line
+    written = json.loads((here / "out" / "deep" / "report.json").read_text())
+    assert (written["samples"], written["seed"], written["payload"]) == (20, 3, 0.5)
+
+
+def test_findings_and_unmet_expectations_do_not_count(cli, here):
+    (here / "kinetostat.toml").write_text(
+        '[[robots]]\npath = "arm.urdf"\n[[robots.expect]]\nkind = "mass"\nat-most = 0.5\n'
+    )
+    found = cli("report", "-o", "out", "--samples", "20")
+    assert found.code == 0, found.err
+    assert robots(here / "out")[0]["verdict"] == "fail"
+    assert cli("report", "-o", "out", "--samples", "20", "--no-settings").code == 0
+    assert robots(here / "out")[0]["verdict"] == "pass"
+
+
+def test_a_robot_that_cannot_be_read_is_in_it_and_is_exit_3(cli, here):
+    (here / "text.urdf").write_text("no XML")
+    found = cli("report", "text.urdf", "arm.urdf", "-o", "out", "--samples", "20")
+    assert found.code == 3
+    assert found.out == "out/index.html\n"
+    assert found.err.startswith("kinetostat: error: text.urdf:1: ")
+    assert [robot["status"] for robot in robots(here / "out")] == ["unreadable", "done"]
+
+
+def test_a_robot_that_takes_too_long_is_exit_3(cli, here):
+    found = cli("report", "example:talos_full_v2", "-o", "out", "--samples", "1000k", "--timeout", "0.1")
+    assert found.code == 3
+    assert "example:talos_full_v2: no answer within 0.1 s (--timeout)" in found.err
+    assert robots(here / "out")[0]["status"] == "crashed"
+
+
+def test_engines_that_disagree_are_exit_4_even_where_a_robot_is_missing(cli, here, monkeypatch):
+    fleet = module.fleet
+
+    def apart(*given, **asked):
+        found = fleet(*given, **asked)
+        one, other = found.document.robots
+        certificate = msgspec.structs.replace(one.certificate, agree=False)
+        document = msgspec.structs.replace(
+            found.document, robots=(msgspec.structs.replace(one, certificate=certificate), other)
+        )
+        return module.Fleet(document, found.drawings)
+
+    monkeypatch.setattr(module, "fleet", apart)
+    (here / "text.urdf").write_text("no XML")
+    found = cli("report", "arm.urdf", "text.urdf", "-o", "out", "--samples", "20")
+    assert found.code == 4
+    assert "arm.urdf: the engines disagree" in found.err
+    assert "text.urdf" in found.err
+    assert (here / "out" / "index.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["arm.urdf"], "for instance -o report"),
+        (["arm.urdf", "-o", "arm.urdf"], "not a folder"),
+        (["arm.urdf", "-o", "arm.urdf/below"], "arm.urdf"),
+        (["arm.urdf", "-o", "out", "--samples", "few"], "--samples"),
+        (["arm.urdf", "-o", "out", "--samples", "2M"], "samples"),
+        (["arm.urdf", "-o", "out", "--payload", "-1"], "--payload"),
+        (["arm.urdf", "-o", "out", "--settings", "gone.toml"], "gone.toml"),
+    ],
+)
+def test_what_cannot_be_asked_is_exit_2_in_a_line(cli, here, arguments, word):
+    found = cli("report", *arguments)
+    assert found.code == 2
+    assert word in found.err
+    assert len(found.err.splitlines()) == 1
+    assert found.out == ""
+    assert not list(here.rglob("index.html"))
+
+
+def test_nothing_to_report_is_exit_3(cli, here):
+    assert cli("report", "gone.urdf", "-o", "out").code == 3
+    assert not list(here.rglob("index.html"))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
+@pytest.mark.parametrize(("stop", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_when_it_is_stopped_its_processes_end_and_nothing_is_written(here, stop, code):
+    program = "from kinetostat_cli.main import main; main()"
+    words = ["report", "example:talos_full_v2", "example:icub", "-o", "out", "--samples", "1000k", "-j", "2"]
+    asking = subprocess.Popen([sys.executable, "-c", program, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    started = wait_for(lambda: len(descendants(asking.pid)) >= 4)  # the processes' parent, a tracker, and two
+    assert started, asking.communicate(timeout=1)
+    children = descendants(asking.pid)
+    asking.send_signal(stop)
+    out, _ = asking.communicate(timeout=60)
+    assert asking.returncode == code
+    assert out == b""
+    assert wait_for(lambda: not any(map(runs, children)))
+    assert list((here / "out").iterdir()) == []

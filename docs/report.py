@@ -88,10 +88,10 @@ NUMBERS = (
     ),
     (
         "`payload_at_mid`",
-        "the largest point mass at the tool's origin that the effort limits hold still with all joints at the middle "
-        "of their limits: `binding_joint` is the first whose gravity torque, with it, is at its limit. None is "
-        "possible where a joint of the robot, be it of another limb, is beyond its limit without it. Strength alone: "
-        "no structure, no dynamics",
+        "the largest point mass at the tool's origin that the effort limits of the chain's own joints hold still with "
+        "all joints at the middle of their limits: `binding_joint` is the first whose gravity torque, with it, is at "
+        "its limit. None is possible where a joint of the chain is beyond its limit without it. Strength alone: no "
+        "structure, no dynamics, and not what the trunk or other limbs can bear",
     ),
     (
         "`worst_gravity_use`",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -152,6 +152,14 @@ class EffortLimits:
     lower: Array
     upper: Array
     missing: Mapping[str, str]
+
+    def of_joints(self, robot: Robot, joints: Collection[Joint]) -> EffortLimits:
+        """Return the limits of some joints; all others may give whatever it takes."""
+        free = np.ones(robot.nv, dtype=bool)
+        free[robot.velocity_columns(joints)] = False
+        own = {name for joint in joints for name in joint.velocity_names}
+        lower, upper = np.where(free, -np.inf, self.lower), np.where(free, np.inf, self.upper)
+        return EffortLimits(lower, upper, {name: why for name, why in self.missing.items() if name in own})
 
     def refuse(self, names: Sequence[str], question: str) -> None:
         """Refuse a question that needs the limits of some joints.

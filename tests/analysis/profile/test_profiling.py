@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import kinetostat as ks
-from kinetostat.analysis.profile import limb_profiling
+from kinetostat.analysis.profile import holding, limb_profiling
 from kinetostat.analysis.profile.anatomy import Anatomy, Left, Limb
+from kinetostat.analysis.profile.holding import held_pose
 from kinetostat.analysis.profile.limbs import limbs
 from kinetostat.analysis.profile.profiling import profile
 from kinetostat.analysis.sweeping.sweep import DEFAULT
@@ -314,10 +315,41 @@ def test_sections_hold_the_other_joints_where_the_arm_is_not_singular(monkeypatc
     (one,) = of(model, limb(model, "panda_hand_tcp")).limbs
     assert held[0][0] == "default"  # the state, though mid would do
     assert told(one)["map of the reach"] == "no two joints move the tool over an area"
-    (one,) = of(textbook("puma560")).limbs  # zero and mid have a straight wrist
-    best = one.sweep.measures["minimum_singular_value"].maximum
-    assert held[1][0] == "best"
-    assert np.array_equal(held[1][1], best.configuration)
+
+
+def test_a_straight_wrist_alone_is_bent_and_nothing_else():
+    puma = textbook("puma560")
+    (one,) = of(puma).limbs
+    held, name = held_pose(puma, one.limb, one.sweep, one.poses)
+    (bent,) = np.flatnonzero(held != one.sweep.rest)
+    assert name == "mid, bent"
+    assert puma.robot.position_names[bent] == "joint5"
+    found = ks.manipulability(puma, one.limb.frame, held, relative_to=one.limb.base, length=one.sweep.length)
+    assert found.blocks["full"].inverse_condition_number > one.sweep.near
+
+
+def test_where_bending_is_not_enough_the_best_of_the_sweep_holds(monkeypatch):
+    monkeypatch.setattr(holding, "_BENT", 0)
+    puma = textbook("puma560")
+    (one,) = of(puma).limbs
+    held, name = held_pose(puma, one.limb, one.sweep, one.poses)
+    assert name == "best of the sweep"
+    assert np.array_equal(held, one.sweep.measures["minimum_singular_value"].maximum.configuration)
+
+
+def test_payload_is_bounded_by_the_limbs_own_joints():
+    body = BODY.format(0.8)
+    arms = [
+        ARM.format(s=s, y=y, body=body, effort=effort) for s, y, effort in (("left", 0.5, 20), ("right", -0.2, 0.01))
+    ]
+    weak = load_text(
+        f'<robot name="weak"><link name="torso"/>{"".join(arms)}</robot>'
+    )  # the right arm cannot hold itself
+    left, right = of(weak, limb(weak, "lefttool"), limb(weak, "righttool")).limbs
+    model = two_armed()
+    (twin,) = of(model, limb(model, "lefttool")).limbs
+    assert float(left.payload.value) == float(twin.payload.value) > 0
+    assert np.isnan(float(right.payload.value))
 
 
 # --- what cannot be --------------------------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from kinetostat.analysis.kinematics import fk
 from kinetostat.analysis.loads import Payload, effort_limits
 from kinetostat.analysis.profile.anatomy import Limb
 from kinetostat.analysis.profile.gathering import Gathered
+from kinetostat.analysis.profile.holding import held_pose
 from kinetostat.analysis.profile.measuring import Measured, measured
 from kinetostat.analysis.profile.posing import limb_poses
 from kinetostat.analysis.profile.result import LimbPose, LimbProfile
@@ -140,11 +141,12 @@ def _beginning(model: Model, limb: Limb, at: Array, gathered: Gathered) -> tuple
 
 
 def _payload(model: Model, limb: Limb, middle: Array, asked: Asked, gathered: Gathered) -> Strongest | None:
-    """Return the largest payload at the middle of limits."""
+    """Return the largest payload at the middle of limits, as far as the limb's own joints decide."""
 
     def most() -> Strongest:
         weighed = torque(model, middle, gravity=True)
-        found = strongest(model, limb.frame, middle, "payload", weighed)
+        own = weighed.limits.of_joints(model.robot, [model.robot.joint_by_name[name] for name in limb.joints])
+        found = strongest(model, limb.frame, middle, "payload", replace(weighed, limits=own))
         gathered.certify("payload", weighed.certificate, found.certificate)
         return found
 
@@ -184,19 +186,5 @@ def _families(model: Model, limb: Limb, asked: Asked, gathered: Gathered) -> Sin
 def _sections(
     model: Model, limb: Limb, swept: Sweep, poses: tuple[LimbPose, ...], families: SingularFamilies | None
 ) -> tuple[Section, ...]:
-    q, name = _held(swept, poses)
+    q, name = held_pose(model, limb, swept, poses)
     return sections(model, limb, q, name, task=swept.task, length=swept.length, families=families)
-
-
-def _held(swept: Sweep, poses: tuple[LimbPose, ...]) -> tuple[Array, str]:
-    """Return where joints are held that a section does not move, (nq,), and its name.
-
-    Where the arm is nearly singular, as with a straight wrist, the whole section would be zero: the first pose inside
-    limits is taken that is not, states before mid before zero; else the best of the sweep.
-    """
-    order = sorted(poses, key=lambda pose: {"mid": 1, "zero": 2}.get(pose.name, 0))
-    for pose in order:
-        if pose.inside and pose.values["inverse_condition_number"] >= swept.near:
-            return pose.at.q, pose.name
-    best = swept.measures["minimum_singular_value"].maximum
-    return (swept.rest, "mid") if best is None else (best.configuration, "best")

@@ -211,9 +211,9 @@ def _write(ax: Any, pose: LimbPose, scale: Sequence[str]) -> None:
         (state, {"color": VERMILION}),
         *((text, {"color": "#444444"}) for text in scale),
     ]
-    for up, (text, own) in enumerate(reversed(rows)):
-        if text:
-            ax.annotate(text, (0, 1), (0, 4 + 72 * _ROW * up), **place, **(look | own))
+    said = [row for row in rows if row[0]]
+    for down, (text, own) in enumerate(said):
+        ax.annotate(text, (0, 1), (0, 4 + 72 * _ROW * (len(rows) - 1 - down)), **place, **(look | own))
 
 
 # --- ellipses

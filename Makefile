@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint wheel-check bench agreement singularities census policy report gallery clean
+.PHONY: demo test lint wheel-check bench agreement singularities census policy report gallery screenshot clean
 
 demo: $(READY)
 	@$(BIN)/python benchmarks/demo.py
@@ -50,6 +50,9 @@ report: $(READY)
 
 gallery: $(READY)
 	$(BIN)/python docs/gallery.py
+
+screenshot: $(READY)
+	$(BIN)/python docs/screenshot.py
 
 clean:
 	rm -rf $(VENV) dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

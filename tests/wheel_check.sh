@@ -16,6 +16,7 @@ cd "$away"
 "$away/venv/bin/kinetostat" jacobian example:panda -f panda_hand -q mid | grep -q 'pinocchio and screw agree'
 "$away/venv/bin/kinetostat" check example:panda | grep -q 'pinocchio, screw and yourdfpy agree'
 "$away/venv/bin/kinetostat" sweep textbook:planar_2r --samples 1000 -F json | grep -q '"agree": true'
+"$away/venv/bin/kinetostat" report textbook:planar_2r --samples 1000 -o report >/dev/null && grep -q 'planar_2r' report/index.html
 "$away/venv/bin/kinetostat" robots | grep -q 'textbook:puma560'
 "$away/venv/bin/python" -c 'import kinetostat, pathlib; assert (pathlib.Path(kinetostat.__file__).parent / "py.typed").is_file()'
 echo "wheel-check: the wheel answers away from the repository"

@@ -58,9 +58,13 @@ stay at the middle of their limits.
 
 **Singular values** are those of the rows of the tool's Jacobian that count (`rows`), relative to the chain's base: all
 six, or the three linear ones of an arm with three joints or fewer that moves its tool by them. Where metres and radians
-meet, linear rows are divided by the chain's `length` L, L^2 = (mean square of the linear rows) / (mean square of the
-angular rows) over configurations inside limits, and a slide counts as an angle q / L. Those that are zero at almost
-every configuration do not count: s_1 >= ... >= s_r, r = `rank`.
+meet, linear rows are divided by the chain's `length` L, and a slide counts as an angle q / L. L^2 = (sum of squares of
+the linear rows) / (sum of squares of the angular rows), of the columns of joints that turn, over 4,096 low-discrepancy
+configurations inside limits (Halton's sequence). Those that are zero at almost every configuration do not count:
+s_1 >= ... >= s_r, r = `rank`.
+
+**Poses** are of the whole robot: `zero` has all joints at zero, `mid` all at the middle of their limits, a state of the
+SRDF those at zero that it does not set. Effort use at a pose is that of the robot there.
 
 | number | what it is |
 |---|---|
@@ -83,15 +87,18 @@ NUMBERS = (
     ),
     (
         "`reach` of a robot",
-        "the longest path from the root to a link, stretched out: the sum of the lengths between joints, and of how "
-        "far slides with limits go",
+        "the longest path from the root to a link, stretched out: the sum of all lengths on the way, and of how far "
+        "slides with limits go, max(abs(lower), abs(upper)). An upper bound of how far any point gets, bends and turns "
+        "left out of account",
     ),
     (
         "`payload_at_mid`",
         "the largest point mass at the tool's origin that the effort limits of the chain's own joints hold still with "
         "all joints at the middle of their limits: `binding_joint` is the first whose gravity torque, with it, is at "
-        "its limit. None is possible where a joint of the chain is beyond its limit without it. Strength alone: no "
-        "structure, no dynamics, and not what the trunk or other limbs can bear",
+        "its limit. `unbounded` where no joint of the chain feels it; none is possible where a joint of the chain is "
+        "beyond its limit without it; null where a joint of the chain that feels it has no effort limit, or where no "
+        "joint moves the tool along (`turns_only`). Strength alone: no structure, no dynamics, and not what the trunk "
+        "or other limbs can bear",
     ),
     (
         "`worst_gravity_use`",
@@ -113,8 +120,8 @@ NUMBERS = (
     ),
 )
 GRAVITY = """
-Gravity is 9.81 m/s2 down the root link's z axis. An effort limit of 0 counts as not stated. Joints with several
-coordinates (floating, planar) are where the middle of limits has them whenever weight counts.
+Gravity is 9.81 m/s2 down the root link's z axis. An effort limit of 0, or below, counts as not stated. Joints with
+several coordinates (floating, planar) are where the middle of limits has them whenever weight counts.
 
 """
 KEYS = """## Keys

@@ -15,11 +15,11 @@ def limb_of(robot, frame, base=None, name=""):
     return Limb(name or frame, base, frame, tuple(joint.name for joint in robot.movable_path(base, frame)), "tip")
 
 
-def pose_of(model, limb, name, q, **changes):
-    """Return a limb at a pose, measured over all rows of its twist."""
+def pose_of(model, limb, name, q, axes=None, **changes):
+    """Return a limb at a pose, measured over all rows of its twist, or over some."""
     at = ks.configuration(model, q)
-    found = ks.manipulability(model, limb.frame, at.q, relative_to=limb.base)
-    full = found.blocks["full"]
+    found = ks.manipulability(model, limb.frame, at.q, relative_to=limb.base, axes=axes)
+    full = found.blocks["task" if axes else "full"]
     values = {
         "yoshikawa": float(full.yoshikawa),
         "minimum_singular_value": float(full.minimum_singular_value),

@@ -43,7 +43,7 @@ COMMANDS = (
 )
 
 BUG = 70
-TERMINATED = 143
+SIGNALLED = 128
 # The base of Typer's usage errors, which it keeps in click or in a copy of click of its own.
 _CommandLineError = typer.BadParameter.__mro__[2]
 
@@ -85,7 +85,9 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a name that the terminal's encoding cannot show is escaped, not fatal
             stream.reconfigure(errors="backslashreplace")
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))  # so that what was started is stopped
+    for number in (signal.SIGTERM, signal.SIGHUP):  # so that what was started is stopped
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup wants it
+            signal.signal(number, lambda received, _: sys.exit(SIGNALLED + received))
     if os.environ.get("_KINETOSTAT_COMPLETE") == "complete_bash":
         sys.exit(completion.answer_bash(lambda: run([])))
     sys.exit(run(sys.argv[1:]))

@@ -192,6 +192,18 @@ def test_the_largest_payload_is_held_and_a_gram_more_is_not():
         assert heavy[0].binding_joint == most.binding_joint
 
 
+@pytest.mark.parametrize("end", [1.0, 1e5, 1e9, 1e11])
+def test_what_a_hoist_lifts_does_not_hang_on_how_far_it_slides(end):
+    hoist = f"""<robot name="hoist"><link name="a"/><link name="b"><inertial><mass value="2"/>
+      <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+    <joint name="up" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+      <limit lower="{-end}" upper="{end}" effort="49.05" velocity="1"/></joint></robot>"""
+    model = load_text(hoist)
+    found = ks.strongest(model, "b", np.zeros(1), "payload", ks.torque(model, np.zeros(1), gravity=True))
+    assert float(found.value) == pytest.approx(3)  # 5 kg g = 49.05 N, 2 kg of them its own
+    assert found.binding_joint == "up"
+
+
 def test_a_payload_hangs_along_the_given_gravity():
     model, frame, q, _ = arm("example:panda")
     pull = (3.0, 0, -2.0)

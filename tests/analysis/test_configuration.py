@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import kinetostat as ks
+from kinetostat.analysis.configuration import contradicted
 from kinetostat.urdf.document import parse
 from kinetostat.urdf.files import example_robots
 from kinetostat.urdf.reader import read
@@ -45,6 +46,21 @@ def test_mid_takes_the_nearest_to_zero_where_a_limit_is_missing(robot):
     assert by_joint["half"] == 2
     assert by_joint["turn"] == 0
     assert by_joint["lead"] == 0
+
+
+def test_mid_is_the_middle_of_what_followers_leave():
+    robot = read(parse(EVERYTHING.replace(b'lower="0" upper="1"', b'lower="0" upper="0.5"'), "all.urdf"))
+    middle = ks.configuration(robot, "mid")
+    assert middle.by_joint()["lead"] == pytest.approx(0.125)  # -2 lead + 0.5 in [0, 0.5]
+    assert not middle.warnings
+    assert contradicted(robot) == ()
+
+
+def test_followers_that_leave_their_leader_no_range_are_left_out_of_account():
+    robot = read(parse(EVERYTHING.replace(b'lower="0" upper="1"', b'lower="10" upper="11"'), "all.urdf"))
+    assert contradicted(robot) == ("lead",)
+    assert ks.configuration(robot, "mid").by_joint()["lead"] == 0
+    assert np.ptp(ks.random_configurations(robot, 0, (1000,))[:, 12]) > 3.9
 
 
 def test_random_is_inside_limits_of_leaders_and_followers(robot):

@@ -521,7 +521,8 @@ def test_slides_that_cannot_move_and_joints_without_limits_are_told_of():
         '<joint name="t" type="continuous"><parent link="b"/><child link="c"/></joint></robot>'
     )
     warnings = sweep_work(model, "c", np.zeros(2), samples=1, axes="xyz", measures="position").warnings
-    assert any("'s' cannot move within its limits" in line for line in warnings)
+    assert any("the limits of 's' are one position: locked there" in line for line in warnings)
+    assert ks.sweep(model, "c", np.zeros(2), samples=50, measures="position").measures["position.x"].maximum.value == 0
     assert any("no limits, so swept: t (-3.142 to 3.142 rad)" in line for line in warnings)
     assert not sweep_work(model, "c", np.zeros(2), grid="t=0:1:2", measures="position").warnings
 
@@ -533,6 +534,29 @@ def test_a_configuration_without_turns_or_without_mixing_has_no_typical_length()
         velocity = ks.jacobian(model, frame, zero(model)).velocity
         chain = coordinates(model, velocity.of, velocity.relative_to)
         assert typical_length(chain, FULL if task == "full" else Task.named(task)) is None
+
+
+def test_numbers_are_pure_where_no_turn_moves_a_linear_row_and_mixed_where_one_does():
+    neck = """<robot name="neck"><link name="a"/><link name="b"/><link name="c"/>
+    <joint name="slide" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
+      <limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>
+    <joint name="nod" type="revolute"><parent link="b"/><child link="c"/><axis xyz="0 1 0"/>
+      <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+    model = load_text(neck)
+    for axes in (None, "xyz", "x ry", "x z ry"):
+        work = sweep_work(model, "c", np.zeros(2), samples=10, axes=axes)
+        assert [column.unit for column in work.columns] == ["1", "1", "1"], axes
+        assert work.length is None
+        assert not any("mixed" in line for line in work.warnings)
+    # What is pure is the same in every unit of length: the slide is a metre a metre, the turn a radian a radian.
+    found = sweep(model, "c", np.zeros(2), samples=10, measures="singular_values").measures
+    assert all(one.mean == pytest.approx(1, abs=1e-12) for one in found.values())
+    off = sweep_work(model, "c", np.zeros(2), samples=10, axes="y ry", point=(0.1, 0, 0))
+    assert off.columns[0].unit == "1"
+    # The turn moves z, and no angular row that counts: no length compares the two.
+    off = sweep_work(model, "c", np.zeros(2), samples=10, axes="x z rx", point=(0.1, 0, 0))
+    assert off.columns[0].unit == "mixed"
+    assert any("no turn moves an angular row" in line for line in off.warnings)
 
 
 def test_a_length_is_of_the_joint_range_and_not_of_what_is_swept():

@@ -150,6 +150,20 @@ def test_a_histogram_is_numpys_but_for_numbers_at_the_edges(name):
     assert np.allclose(histogram.edges, edges, rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("width", [1e-4, 0.0045, 0.3])
+def test_bins_finer_than_what_can_be_told_apart_have_no_gaps(width, sign):
+    values = sign * (1.0 + width * (np.arange(20_000) + 0.5) / 20_000)
+    counts = Tally.of(values).histogram(40).counts
+    assert np.sum(counts) == len(values)
+    assert np.all(np.abs(counts - 500) <= 0.3 * 500)  # evenly spread as the numbers are, no comb
+
+
+def test_zero_is_a_number_of_its_own_in_a_histogram():
+    counts = Tally.of(np.repeat([-1.0, 0.0, 1.0], [10, 20, 30])).histogram(4).counts
+    assert counts.tolist() == [10, 0, 20, 30]
+
+
 def test_of_equal_extremes_the_first_row_is_told_in_any_order():
     early, late = Tally.of(np.array([2.0, 1.0, 1.0]), 10), Tally.of(np.array([1.0, 2.0]), 500)
     for merged in (early.merged(late), late.merged(early)):

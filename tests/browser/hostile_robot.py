@@ -27,7 +27,7 @@ def _attribute(name):
 
 
 def urdf(joint_names=JOINTS):
-    """Return an arm of three parallel joints, 0.3 m apart."""
+    """Return the arm: three parallel joints, 0.3 m apart."""
     links = "".join(f"<link name={_attribute(name)}>{_MASS}</link>" for name in LINKS)
     joints = "".join(
         f'<joint name={_attribute(name)} type="revolute"><parent link={_attribute(parent)}/>'
@@ -35,6 +35,11 @@ def urdf(joint_names=JOINTS):
         for name, parent, child in zip(joint_names, LINKS[:-1], LINKS[1:], strict=True)
     )
     return f"<robot name={_attribute(ROBOT)}>{links}{joints}</robot>"
+
+
+def unreadable_urdf():
+    """Return the arm with a name that no reader takes."""
+    return urdf((TERMINAL, *JOINTS[1:]))
 
 
 def srdf():

@@ -8,6 +8,7 @@ import sys
 import msgspec
 import pytest
 
+import kinetostat as ks
 from kinetostat.report.fleet import fleet as module
 from processes import descendants, runs, wait_for
 from report.fleet.robots import chain
@@ -21,6 +22,11 @@ def here(tmp_path, monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
     (tmp_path / "arm.urdf").write_text(chain("revolute", 2))
     return tmp_path
+
+
+def robots_end(file):
+    """Return the only tip of a robot."""
+    return ks.load(file).robot.default_tip()
 
 
 def robots(folder):
@@ -46,6 +52,7 @@ def test_findings_and_unmet_expectations_do_not_count(cli, here):
     found = cli("report", "-o", "out", "--samples", "20")
     assert found.code == 0, found.err
     assert robots(here / "out")[0]["verdict"] == "fail"
+    assert "1 fails check" in found.err
     assert cli("report", "-o", "out", "--samples", "20", "--no-settings").code == 0
     assert robots(here / "out")[0]["verdict"] == "pass"
 
@@ -57,6 +64,22 @@ def test_a_robot_that_cannot_be_read_is_in_it_and_is_exit_3(cli, here):
     assert found.out == "out/index.html\n"
     assert found.err.startswith("kinetostat: error: text.urdf:1: ")
     assert [robot["status"] for robot in robots(here / "out")] == ["unreadable", "done"]
+
+
+def test_a_chain_that_a_robot_does_not_have_is_told_with_its_line_and_is_exit_2(cli, here):
+    entry = '[[robots]]\npath = "arm.urdf"\n[[robots.chains]]\nframe = "{}"\n[[robots.chains]]\nframe = "{}"\n'
+    end = robots_end(here / "arm.urdf")
+    (here / "kinetostat.toml").write_text(entry.format(end, "el\\u001bbow"))
+    found = cli("report", "-o", "out", "--samples", "20")
+    assert found.code == 2
+    assert found.out == "out/index.html\n"
+    slip, _ = found.err.splitlines()
+    assert slip.startswith("kinetostat: error: arm.urdf: chain 'el\\x1bbow' (kinetostat.toml:5): there is no frame ")
+    (robot,) = robots(here / "out")
+    assert (robot["status"], [chain["frame"] for chain in robot["chains"]]) == ("done", [end])
+    assert [left["place"] for left in robot["left"] if left["place"]] == ["kinetostat.toml:5"]
+    (here / "text.urdf").write_text("no XML")
+    assert cli("report", "-o", "out", "--samples", "20").code == 3
 
 
 def test_a_robot_that_takes_too_long_is_exit_3(cli, here):
@@ -91,6 +114,8 @@ def test_engines_that_disagree_are_exit_4_even_where_a_robot_is_missing(cli, her
     ("arguments", "word"),
     [
         (["arm.urdf"], "for instance -o report"),
+        (["arm.urdf", "-o", ""], "for instance -o report"),
+        (["arm.urdf", "-o", "-"], "for instance -o report"),
         (["arm.urdf", "-o", "arm.urdf"], "not a folder"),
         (["arm.urdf", "-o", "arm.urdf/below"], "arm.urdf"),
         (["arm.urdf", "-o", "out", "--samples", "few"], "--samples"),
@@ -108,13 +133,39 @@ def test_what_cannot_be_asked_is_exit_2_in_a_line(cli, here, arguments, word):
     assert not list(here.rglob("index.html"))
 
 
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["--srdf", "gone.srdf"], "gone.srdf: there is no such file"),
+        (["--srdf", "."], "a folder, not a file"),
+        (["--package-dir", "gone"], "gone: there is no such folder"),
+    ],
+)
+def test_what_is_named_and_not_there_is_exit_3_before_anything_is_computed(cli, here, arguments, word):
+    for command in (["report", "arm.urdf", "-o", "out"], ["check", "arm.urdf"]):
+        found = cli(*command, *arguments)
+        assert found.code == 3
+        assert word in found.err
+        assert found.out == ""
+    assert not list(here.rglob("index.html"))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell closes standard output")
+def test_where_its_path_cannot_be_printed_it_is_said_that_the_report_is_there(here):
+    command = f'{sys.executable} -c "from kinetostat_cli.main import main; main()" report arm.urdf -o out --samples 20'
+    found = subprocess.run(["/bin/sh", "-c", f"{command} >&-"], stderr=subprocess.PIPE, text=True, check=False)
+    assert found.returncode == 2
+    assert "'out/index.html' is written, but not its path: cannot write to standard output" in found.stderr
+    assert (here / "out" / "index.html").exists()
+
+
 def test_nothing_to_report_is_exit_3(cli, here):
     assert cli("report", "gone.urdf", "-o", "out").code == 3
     assert not list(here.rglob("index.html"))
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
-@pytest.mark.parametrize(("stop", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("stop", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_when_it_is_stopped_its_processes_end_and_nothing_is_written(here, stop, code):
     program = "from kinetostat_cli.main import main; main()"
     words = ["report", "example:talos_full_v2", "example:icub", "-o", "out", "--samples", "1000k", "-j", "2"]

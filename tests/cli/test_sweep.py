@@ -724,4 +724,6 @@ def test_lengths(ask):
     rows = ("--axes", "xyz", "rx", "ry", "rz")
     slides = ask("textbook:skew_1p", "--samples", "50", *rows)  # no joint turns: there is no length
     assert slides["result"]["asked"]["characteristic_length"] is None
-    assert "no turn moves a linear row that counts" in slides["warnings"][0]
+    assert "no turn moves a linear row that counts" in slides["result"]["asked"]["characteristic_length_reference"]
+    assert slides["result"]["measures"]["yoshikawa"]["unit"] == "1"
+    assert not any("mixed" in line for line in slides["warnings"])

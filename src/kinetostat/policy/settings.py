@@ -147,10 +147,11 @@ class _Checked:
         return self._file.name if line is None else f"{self._file.name}:{line}"
 
     def placed(self, path: KeyPath, robot: RobotSettings) -> RobotSettings:
-        """Return the same, each expectation knowing where it is written."""
-        places = (self.place((*path, "expect", i)) for i in range(len(robot.expect)))
-        expect = (msgspec.structs.replace(one, place=at) for one, at in zip(robot.expect, places, strict=True))
-        return msgspec.structs.replace(robot, expect=tuple(expect))
+        """Return the same, each expectation and each chain knowing where it is written."""
+        replace = msgspec.structs.replace
+        expect = tuple(replace(one, place=self.place((*path, "expect", i))) for i, one in enumerate(robot.expect))
+        chains = tuple(replace(one, place=self.place((*path, "chains", i))) for i, one in enumerate(robot.chains))
+        return replace(robot, expect=expect, chains=chains)
 
     def refuse(self, path: KeyPath, message: str, remedy: str | None = None) -> NoReturn:
         """Say what is wrong with the key at a path."""

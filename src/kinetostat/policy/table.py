@@ -60,6 +60,7 @@ class ChainSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         NotNegative | None,
         Meta(description="What it is to carry. Default: what the command line says.", extra=measured_in("kg")),
     ] = None
+    place: str = ""  # where it is written; its reader knows, no file says so
 
 
 class RobotSettings(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"):

@@ -13,6 +13,7 @@ import numpy as np
 from kinetostat.analysis import held
 from kinetostat.analysis.configuration import Configuration
 from kinetostat.analysis.sweeping.samples import GridSource
+from kinetostat.analysis.typical_length import PURE
 from kinetostat.conventions import GRAVITY, Array
 from kinetostat.errors import cut, quote
 from kinetostat.report.asked import asked_load, asked_tool
@@ -254,7 +255,8 @@ def _setting_notes(result: Sweep) -> list[str]:
     notes = [f"rows that count: {' '.join(result.task.row_names)}"] if result.task.name != "full" else []
     if result.length is not None:
         return [*notes, f"characteristic length {result.length:.6g} m ({result.length_reference})"]
-    return [*notes, *(["no characteristic length: metres and radians as they are"] if result.task.mixed else [])]
+    apart = result.task.mixed and result.length_reference != PURE
+    return [*notes, *(["no characteristic length: metres and radians as they are"] if apart else [])]
 
 
 def _load_notes(result: Sweep) -> list[str]:

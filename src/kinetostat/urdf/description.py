@@ -36,6 +36,7 @@ __all__ = ["MASSLESS", "Inertial", "Joint", "JointType", "Limit", "Link", "Mimic
 
 Vector = tuple[float, float, float]
 
+NO_LIMIT = 1e6  # rad or m: a larger one is written for "none"
 MASSLESS = "the link counts as massless"  # how a remark ends that says so
 
 
@@ -109,6 +110,11 @@ class Limit:
         upper = float("inf") if self.upper is None else self.upper
         return (lower, upper) if lower <= upper else (upper, lower)
 
+    @property
+    def swapped(self) -> bool:
+        """Whether the file states a lower end above the upper one."""
+        return self.lower is not None and self.upper is not None and self.lower > self.upper
+
 
 @dataclass(frozen=True)
 class Mimic:
@@ -173,10 +179,10 @@ class Joint:
 
     @property
     def slide(self) -> float:
-        """How far it slides at most, m: the larger end of a finite range; 0 where it does not slide."""
+        """How far it slides at most, m: the larger end of its range, ends without limit left out; 0 if it does not."""
         if self.type is not JointType.PRISMATIC:
             return 0.0
-        return max((abs(end) for end in self.limit.range if abs(end) < float("inf")), default=0.0)
+        return max((abs(end) for end in self.limit.range if abs(end) < NO_LIMIT), default=0.0)
 
     def _names(self, floating: tuple[str, ...], planar: tuple[str, ...]) -> tuple[str, ...]:
         if self.type is JointType.FIXED:

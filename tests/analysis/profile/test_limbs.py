@@ -10,6 +10,7 @@ import kinetostat as ks
 from grown import grown
 from kinetostat import UnknownNameError, UsageError
 from kinetostat.analysis.profile.anatomy import Anatomy, ChosenChain
+from kinetostat.analysis.profile.chosen import possible
 from kinetostat.analysis.profile.limbs import limbs
 from kinetostat.urdf.description import JointType
 from kinetostat.urdf.document import parse
@@ -129,6 +130,10 @@ TREES = {
         "base: s1 s2@0.1 s3@0.5 palm=@0.4\npalm: thumb1 thumb2@0.03 thumb3@0.02 thumb4@0.02\n"
         "palm: finger1 finger2@0.03 finger3@0.02 finger4@0.02",
         {"palm": ("base", "palm", 3)},
+    ),
+    "an arm whose hand begins at a thumb": (
+        "base: a1 a2@0.3 a3@0.3 mount= hand= thumb_base=\nthumb_base: i1 i2@0.03\nthumb_base: t1 t2@0.03",
+        {"hand": ("base", "hand", 3)},
     ),
     "an arm with a jaw": ("base: a1 a2 a3 palm= jaw", {"palm": ("base", "palm", 3)}),
     "an arm with a tool before its last joint": ("base: a1 a2 a3\na3: tool0=\na3: x1", {"tool0": ("base", "tool0", 3)}),
@@ -274,6 +279,18 @@ class TestChosen:
             limbs(grown("base: a1 a2 a3 tool0="), chosen)
         assert words in str(caught.value)
         assert caught.value.remedy
+
+    def test_what_cannot_be_chosen_leaves_the_others_as_they_are(self):
+        robot = grown("base: a1 a2 a3 tool0=").robot
+        good, other = ChosenChain("tool0"), ChosenChain("a2", "a1", "wrist", 2.0)
+        slips = [ChosenChain("tool1", place="k.toml:4"), ChosenChain("a1", name="wrist"), ChosenChain("base")]
+        assert possible(robot, [good, other]) == ((good, other), ())
+        kept, refused = possible(robot, [slips[0], good, other, *slips[1:]])
+        assert kept == (good, other)
+        assert [left.what for left in refused] == ["chain 'tool1' (k.toml:4)", "chain 'wrist'", "chain 'base'"]
+        assert [left.place for left in refused] == ["k.toml:4", "", ""]
+        assert "did you mean 'tool0'" in refused[0].why
+        assert possible(robot, slips[:1])[1][-1].why.endswith("limbs are found instead")
 
 
 REAL = {

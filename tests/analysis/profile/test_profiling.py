@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import kinetostat as ks
-from kinetostat.analysis.profile import holding, limb_profiling
+from kinetostat.analysis.profile import holding, limb_profiling, profiling
 from kinetostat.analysis.profile.anatomy import Anatomy, Left, Limb
 from kinetostat.analysis.profile.holding import held_pose
 from kinetostat.analysis.profile.limbs import limbs
@@ -321,8 +321,8 @@ def test_a_straight_wrist_alone_is_bent_and_nothing_else():
     puma = textbook("puma560")
     (one,) = of(puma).limbs
     held, name = held_pose(puma, one.limb, one.sweep, one.poses)
-    (bent,) = np.flatnonzero(held != one.sweep.rest)
-    assert name == "mid, bent"
+    (bent,) = np.flatnonzero(held)  # the others are zero
+    assert name == "zero, bent"
     assert puma.robot.position_names[bent] == "joint5"
     found = ks.manipulability(puma, one.limb.frame, held, relative_to=one.limb.base, length=one.sweep.length)
     assert found.blocks["full"].inverse_condition_number > one.sweep.near
@@ -335,6 +335,50 @@ def test_where_bending_is_not_enough_the_best_of_the_sweep_holds(monkeypatch):
     held, name = held_pose(puma, one.limb, one.sweep, one.poses)
     assert name == "best of the sweep"
     assert np.array_equal(held, one.sweep.measures["minimum_singular_value"].maximum.configuration)
+
+
+def test_limits_that_are_not_taken_as_they_stand_are_told():
+    text = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/><link name="d"/>
+    <joint name="turn" type="revolute"><parent link="a"/><child link="b"/><origin xyz="0 0.1 0"/><axis xyz="0 0 1"/>
+      <limit lower="2" upper="-2" effort="1" velocity="1"/></joint>
+    <joint name="slide" type="prismatic"><parent link="b"/><child link="c"/><axis xyz="1 0 0"/>
+      <limit lower="0.3" upper="0.3" effort="1" velocity="1"/></joint>
+    <joint name="follow" type="revolute"><parent link="a"/><child link="d"/><axis xyz="0 0 1"/>
+      <limit lower="10" upper="11" effort="1" velocity="1"/><mimic joint="turn"/></joint></robot>"""
+    model = load_text(text)
+    found = of(model, limb(model, "c"))
+    (one,) = found.limbs
+    assert told(found)["limits of 'turn'"] == "lower is above upper: read the other way round"
+    assert told(found)["limits of followers of 'turn'"] == "they leave it no range: left out of account"
+    assert told(one)["motion of 'slide'"] == "limits are one position: locked there"
+    assert np.allclose(np.linalg.norm(one.positions - [0, 0.1, 0], axis=1), 0.3, atol=1e-12)
+    assert one.reach == pytest.approx(0.3)
+
+
+def test_what_takes_minutes_of_many_joints_is_left_out_and_the_rest_is_there(monkeypatch):
+    monkeypatch.setattr(limb_profiling, "_SEARCHED", 3)
+    monkeypatch.setattr(profiling, "_CLIMBED", 5)
+    model = textbook("puma560")
+    found = of(model)
+    (one,) = found.limbs
+    assert (one.families, one.sections, found.worst) == (None, (), None)
+    assert told(one)["singular families"].endswith("this has 6")
+    assert told(one)["map of the reach"].endswith("this has 6")
+    assert told(found)["worst gravity torques"].endswith("this has 6")
+    assert one.sweep is not None
+    assert one.reach > 0
+
+
+def test_links_of_hardly_any_length_overflow_nothing():
+    axes = ("0 1 0", "1 0 0", "0 0 1", "0 1 0")  # warnings of NumPy are errors here
+    text = "".join(
+        f'<link name="l{i + 1}"/><joint name="j{i}" type="revolute"><parent link="l{i}"/><child link="l{i + 1}"/>'
+        f'<origin xyz="1e-300 0 0"/><axis xyz="{axis}"/><limit lower="-2" upper="2" effort="5" velocity="2"/></joint>'
+        for i, axis in enumerate(axes)
+    )
+    model = load_text(f'<robot name="tiny"><link name="l0"/>{text}</robot>')
+    (one,) = of(model, limb(model)).limbs
+    assert one.families is not None
 
 
 def test_payload_is_bounded_by_the_limbs_own_joints():
@@ -366,8 +410,13 @@ def test_no_masses_no_efforts_no_limits_are_told_and_the_rest_goes_on():
     idle = two_armed(effort=0)
     (one,) = of(idle, limb(idle, "lefttool")).limbs
     assert told(one)["effort use of 'left1', 'left2', 'left3' and 1 more"] == "the file says 0"
-    assert "effort limit of joint 'left1'" in told(one)["payload"]
+    assert told(one)["payload"] == "no effort limits: the file says 0"
     assert one.payload is None
+    upright = load_text(textbook("scara").loaded.source.data.decode().replace("effort=", "strength="))
+    found = profile(upright, **FEW)
+    assert told(found.limbs[0])["payload"].startswith("no effort limits: ")  # though no weight loads it
+    assert [one.limb for one in found.limbs] == list(limbs(upright).limbs)
+    assert repr(found) == "<RobotProfile of 'scara': 1 limb>"
     assert one.reach > 0
     negative = two_armed(mass=-1)
     found = of(negative, limb(negative, "lefttool"))

@@ -1,6 +1,7 @@
 """Sections of the workspace: the textbook's circles, places that Pinocchio confirms, curves that are singular."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,12 +12,17 @@ from kinetostat.analysis.coordinates import coordinates
 from kinetostat.analysis.kernels import chain_kernel
 from kinetostat.analysis.profile.anatomy import Limb
 from kinetostat.analysis.profile.cells import best_in_cells
+from kinetostat.analysis.profile.gathering import Gathered
+from kinetostat.analysis.profile.holding import held_pose
+from kinetostat.analysis.profile.limbs import limbs
+from kinetostat.analysis.profile.posing import limb_poses
 from kinetostat.analysis.profile.section_curves import SINGULAR, singular_lines
+from kinetostat.analysis.profile.section_views import views_of_limb
 from kinetostat.analysis.profile.sections import sections
 from kinetostat.analysis.profile.two_joints import TwoJoints, ends_of
 from kinetostat.analysis.singular.find import singular_find
 from kinetostat.analysis.singular.mechanism import mechanism
-from kinetostat.analysis.sweeping.sweep import sweep_work
+from kinetostat.analysis.sweeping.sweep import sweep, sweep_work
 from kinetostat.errors import UsageError
 
 TWO_LINKS = """<robot name="two_links">
@@ -299,3 +305,114 @@ def test_a_joint_that_moves_in_a_plane_is_two_slides_and_a_turn(tmp_path):
     assert section.view == "above"
     assert_allclose(np.ptp(section.points, axis=(0, 1)), [2, 2])
     assert not section.curves
+
+
+MEASURES = ("yoshikawa", "minimum_singular_value", "inverse_condition_number")
+PAIRS = {  # robot: limbs of it, and the joints that show each from the side: a shoulder and an elbow, a hip and a knee
+    "example:pr2": {"left_arm": ("l_shoulder_lift_joint", "l_elbow_flex_joint")},
+    "example:simple_humanoid": {"l_ankle": ("LLEG_HIP_P", "LLEG_KNEE"), "l_wrist": ("LARM_SHOULDER_P", "LARM_ELBOW")},
+    "example:talos_full_v2": {"l_arm": ("arm_left_2_joint", "arm_left_4_joint")},
+    "example:panda": {"arm": ("panda_joint2", "panda_joint4")},
+    "example:a1": {"lf_leg": ("FL_thigh_joint", "FL_calf_joint")},
+    "example:kinova": {"end_effector": ("j2s6s200_joint_2", "j2s6s200_joint_3")},
+}
+MIRRORED = [
+    ("example:pr2", "left_arm", "right_arm", {"l_": "r_"}),
+    ("example:simple_humanoid", "l_ankle", "r_ankle", {"LLEG": "RLEG"}),
+    ("example:simple_humanoid", "l_wrist", "r_wrist", {"LARM": "RARM"}),
+    ("example:talos_full_v2", "l_arm", "r_arm", {"left": "right"}),
+]
+
+
+@cache
+def shown(source, name):
+    """Return the views of a limb at the pose in which a report holds it, and the coordinates and that pose."""
+    model = ks.load(source)
+    limb = next(one for one in limbs(model).limbs if one.name == name)
+    middle = ks.configuration(model, "mid").q
+    swept = sweep(model, limb.frame, middle, samples=500, measures=MEASURES, relative_to=limb.base)
+    q, _ = held_pose(model, limb, swept, limb_poses(model, limb, swept, Gathered({}, name)))
+    joints = coordinates(model, limb.frame, limb.base)
+    up = model.engine.placement(q, model.robot.root, limb.base)[:3, 2]
+    return joints, q, views_of_limb(joints, q, up, ends_of(joints))
+
+
+def names_of(joints, view):
+    return tuple(joints.names[index] for index in view.pair)
+
+
+@pytest.mark.parametrize(("source", "name"), [(robot, limb) for robot, every in PAIRS.items() for limb in every])
+def test_from_the_side_a_shoulder_and_an_elbow_move_in_a_plane(source, name):
+    joints, q, (side, *_) = shown(source, name)
+    assert side.view == "side"
+    assert names_of(joints, side) == PAIRS[source][name]
+    axes = joints.chain.jacobian(q[list(joints.indices)])[3:, side.pair].T
+    assert abs(axes[0] @ axes[1]) > 0.9
+
+
+@pytest.mark.parametrize(("source", "left", "right", "words"), MIRRORED)
+def test_limbs_that_mirror_each_other_are_shown_by_the_same_joints(source, left, right, words):
+    """From the side at least; the limits of simple_humanoid are not mirrored, and from above others may cover more."""
+    pairs = []
+    for name in (left, right):
+        joints, _, (side, *_) = shown(source, name)
+        pairs.append(" ".join(names_of(joints, side)))
+    for ours, theirs in words.items():
+        pairs[0] = pairs[0].replace(ours, theirs)
+    assert pairs[0] == pairs[1]
+
+
+NAMES = {"example:ur5_robot": "tool0", "example:panda": "arm", "example:a1": "rf_leg", "example:pr2": "right_arm"}
+
+
+@pytest.mark.parametrize(("source", "name"), NAMES.items())
+def test_the_second_joint_shown_brings_the_tool_nearer_and_farther(source, name):
+    """Two joints of a shoulder swing a rigid arm: the tool's distance from where their axes meet does not change."""
+    joints, q, views = shown(source, name)
+    for view in views:
+        first, second = view.pair
+        own = np.tile(q[list(joints.indices)], (40, 1))
+        axis = joints.chain.jacobian(own[0])[:, first]
+        tool = joints.chain.columns(own)[1][:, :3, 3]
+        own[:, second] = np.linspace(*(ends[second] for ends in ends_of(joints)), 40)
+        foot = tool[0] + np.cross(axis[3:], axis[:3])
+        away = np.linalg.norm(np.cross(joints.chain.columns(own)[1][:, :3, 3] - foot, axis[3:]), axis=1)
+        assert np.ptp(away) > 0.2 * away.max()
+
+
+def test_from_above_a_joint_about_the_vertical_and_the_same_elbow_move():
+    joints, _, (side, above) = shown("example:ur5_robot", "tool0")
+    assert names_of(joints, side) == ("shoulder_lift_joint", "elbow_joint")
+    assert names_of(joints, above) == ("shoulder_pan_joint", "elbow_joint")
+
+
+def test_from_above_is_left_out_where_the_limb_moves_equally_well_all_over_it():
+    every = cut(ks.load("example:romeo"), "HeadRollLink", "torso")
+    assert [section.view for section in every] == ["side"]
+    assert every[0].same_everywhere
+
+
+def test_limits_are_drawn_only_where_they_bound_what_is_covered(two_links):
+    """The elbow goes both ways: where joint 1 is at a limit, half of the places are reached the other way, too."""
+    (section,) = cut(two_links("revolute", RANGE.format(-1, 1), RANGE.format(-2, 2)))
+    limits = [curve for curve in section.curves if curve.kind == "limit"]
+    assert limits
+    for curve in limits:
+        for place in curve.points[2:-2]:
+            near = place + 0.3 * np.stack([np.cos(np.linspace(0, 6.2, 24)), np.sin(np.linspace(0, 6.2, 24))], -1)
+            distances = np.linalg.norm(section.points.reshape(-1, 1, 2) - near, axis=-1).min(axis=0)
+            assert distances.max() > 0.1  # something beside it is not covered
+    inner = np.sqrt(36 + 9 + 36 * np.cos(2.0))
+    assert_allclose(np.linalg.norm(next(c for c in limits if "joint2" in c.label).points, axis=1), inner, atol=1e-9)
+    lengths = [np.linalg.norm(np.diff(c.points, axis=0), axis=1).sum() for c in limits if "joint1" in c.label]
+    assert sum(lengths) < 0.8 * 2 * 3 * 4  # of both turns of 4 rad about the elbow, 3 m
+
+
+def test_a_piece_of_a_curve_beyond_limits_that_continues_nothing_is_left_out():
+    for section in cut(ks.load("example:a1"), "FR_foot", q={"FR_thigh_joint": 0.8, "FR_calf_joint": -1.8}):
+        drawn = [curve.points for curve in section.curves if curve.kind == "singular"]
+        for curve in section.unlimited:
+            ends = np.concatenate([part[[0, -1]] for part in drawn]) if drawn else np.zeros((0, 2))
+            touches = np.any(np.linalg.norm(ends[:, None] - curve.points[[0, -1]], axis=-1) < 1e-2)
+            assert touches or np.linalg.norm(curve.points[0] - curve.points[-1]) < 1e-5
+            assert np.min(np.ptp(curve.points, axis=0)) > 0.01 or touches

@@ -91,7 +91,7 @@ def chain(key="r1-1", name="arm", reach=0.855, joints=("joint1", "joint2", "join
         "length_reference": "joint range",
     }
     fields |= {"singular_value_unit": "1", "samples": 20_000, "reach": reach, "asked_payload": None, "near": 0.01}
-    fields |= {"payload_at_mid": PayloadRow(mass=7.31, binding_joint="joint2", least=None)}
+    fields |= {"payload_at_mid": PayloadRow(mass=7.31, binding_joint="joint2", least=None, unbounded=False)}
     fields |= {
         "distributions": (
             distribution("yoshikawa", "manipulability (Yoshikawa)", "1", 0.0713 * reach),
@@ -100,6 +100,7 @@ def chain(key="r1-1", name="arm", reach=0.855, joints=("joint1", "joint2", "join
             distribution("effort_use", "gravity use", "1", 0.4),
         )
     }
+    fields |= {"turns_only": False}
     fields |= {"near_singular_share": 0.0123, "worst_gravity_use": 0.834, "worst_gravity_joint": "joint2"}
     fields |= {"worst_loaded_use": None, "worst_loaded_joint": "", "starts": 300, "converged": 212, "unseen": 0.004}
     fields |= {"poses": (pose("zero", inside=False, rank=5), pose("mid"), pose("home"))}

@@ -2,7 +2,7 @@
 
 from html.parser import HTMLParser
 
-VOID = {"meta", "link", "input", "br", "img", "hr"}
+VOID = {"meta", "link", "input", "br", "img", "hr", "wbr"}
 
 
 class Element:
@@ -86,5 +86,5 @@ class HtmlPage(HTMLParser):
         self.comments.append(data)
 
     def shape(self):
-        """Return every element as its tag and the names of its attributes, in order."""
-        return [(one.tag, *sorted(one.attributes)) for one in self.root.all()]
+        """Return every element as its tag and the names of its attributes, in order; not where a word may break."""
+        return [(one.tag, *sorted(one.attributes)) for one in self.root.all() if one.tag != "wbr"]

@@ -223,13 +223,27 @@ def test_a_pose_has_the_indices_of_manipulability_there(name):
 def test_a_payload_that_no_joint_feels_is_null_and_says_why():
     (chain,) = described_text(arm("revolute 0 0 1")).chains
     assert (chain.payload_at_mid.mass, chain.payload_at_mid.binding_joint) == (None, "")
-    assert "no joint torque" in whys(chain.left)["payload"]
+    assert chain.payload_at_mid.unbounded
+    assert "no joint of the chain feels it" in whys(chain.left)["payload"]
+
+
+@pytest.mark.parametrize(
+    ("joint", "limits", "only"),
+    [("1 0 0", (-1, 1.5), True), ("0 0 1", (-1, 1.5), False), ("0 1 0", (0.3, 0.3), False)],
+)
+def test_a_tool_that_no_joint_moves_along_carries_no_payload_and_a_locked_one_is_none(joint, limits, only):
+    limit = '<limit lower="{}" upper="{}" effort="30" velocity="1"/>'.format(*limits)
+    (chain,) = described_text(arm(f"revolute {joint}", limit=limit)).chains
+    assert chain.turns_only is only
+    assert ("they only turn it" in whys(chain.left).get("payload", "")) is only
+    assert (chain.payload_at_mid is None) is only
 
 
 def test_a_payload_that_is_impossible_is_null_and_says_why():
     limit = '<limit lower="-1" upper="1.5" effort="3" velocity="1"/>'
     (chain,) = described_text(arm("revolute 0 1 0", limit=limit)).chains
     assert (chain.payload_at_mid.mass, chain.payload_at_mid.binding_joint) == (None, "j1")
+    assert not chain.payload_at_mid.unbounded
     assert "limit of 'j1' is exceeded without it" in whys(chain.left)["payload"]
     assert chain.worst_gravity_use > 1
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
+import io
 import json
+from contextlib import contextmanager
 
 import msgspec
 import pytest
@@ -51,15 +54,42 @@ def test_it_is_indented_and_ends_with_a_line():
 
 
 def test_all_four_files_are_written_the_page_last(tmp_path, monkeypatch):
-    order = []
-    whole = files.write_whole
-    monkeypatch.setattr(files, "write_whole", lambda path, content: (order.append(path.name), whole(path, content)))
+    order, whole = [], files.open_whole
+
+    @contextmanager
+    def noted(path):
+        with whole(path) as file:
+            yield file
+        order.append(path.name)
+
+    monkeypatch.setattr(files, "open_whole", noted)
     folder = tmp_path / "new" / "deeper"
     written = write_fleet(folder, report(), {})
     assert sorted(path.name for path in folder.iterdir()) == sorted(NAMES) == sorted(path.name for path in written)
     assert order[-1] == "index.html"
     assert (folder / "report.json").read_text(encoding="utf-8") == json_text(report())
     assert (folder / "index.html").read_text(encoding="utf-8").lower().startswith("<!doctype html>")
+
+
+@pytest.mark.parametrize("full", NAMES)
+def test_where_one_does_not_fit_on_the_disk_all_stay_as_they_were(tmp_path, monkeypatch, full):
+    for name in NAMES:
+        (tmp_path / name).write_text("old")
+    whole = files.open_whole
+
+    class Full(io.BytesIO):
+        def flush(self):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    @contextmanager
+    def filling(path):
+        with whole(path) as file:
+            yield Full() if path.name == full else file
+
+    monkeypatch.setattr(files, "open_whole", filling)
+    with pytest.raises(UsageError, match="No space left"):
+        write_fleet(tmp_path, report(), {})
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == dict.fromkeys(NAMES, "old")
 
 
 def test_the_same_report_gives_the_same_bytes_over_an_old_one(tmp_path):

@@ -38,6 +38,7 @@ def test_robots_come_in_the_order_in_which_they_are_asked_for():
     assert found.document.made == "2023-11-14T22:13:20Z"
     assert found.document.version == ks.__version__
     assert repr(found) == "<Fleet: 2 robots, 2 chains>"
+    assert repr(fleet(TEXTBOOK[:1], samples=20)) == "<Fleet: 1 robot, 1 chain>"
 
 
 def test_the_number_of_processes_changes_nothing(tmp_path):

@@ -26,7 +26,7 @@ OURS = {
     "strong",
     "em",
 }
-COLUMNS = 13
+COLUMNS = 14  # one of them is of the payload that is asked for
 
 
 def shown(document, **options):
@@ -36,7 +36,8 @@ def shown(document, **options):
 def test_it_opens_with_the_totals():
     text = "".join(shown(made.fleet()).runs)
     assert text.startswith("kinetostat report: 5 robots")
-    assert "5 robots, 4 chains; 1 could not be read; 17,248 numbers computed twice" in text
+    assert "5 robots, 4 chains; 1 could not be read; 1 fails check; 17,248 numbers computed twice" in text
+    assert "index.html" in text
 
 
 def test_each_chain_and_each_robot_without_has_a_row_of_all_columns():
@@ -66,6 +67,16 @@ def test_what_limits_a_robot_and_what_is_left_out_of_it_are_told():
     assert "not judged: reach of the arm" in text
     assert "The engines DISAGREE." in text
     assert "not computed: hand (it is a gripper)" in text
+
+
+def test_a_robot_that_fails_check_says_so_in_its_row_and_where_it_is_folded():
+    text = "".join(shown(made.fleet()).runs)
+    assert "0 / 30 / 0, 2 unmet" in text
+    assert "findings: 30 warnings; fails check: 2 of 3 expectations not met" in text
+
+
+def test_the_payload_that_is_asked_for_is_named():
+    assert "seed 0, payload 3 kg." in "".join(shown(made.document(payload=3.0)).runs)
 
 
 def test_infos_are_counted_only():
@@ -99,8 +110,8 @@ def test_it_is_cut_at_a_size_and_says_what_is_left_out(longest):
 
 
 def test_a_report_of_nothing_and_one_without_numbers_are_markdown():
-    assert shown(made.document()).tags == ["h3", "p"]
-    assert shown(made.without_numbers(made.fleet())).rows == [COLUMNS] * 7
+    assert shown(made.document()).tags == ["h3", "p", "code"]
+    assert shown(made.without_numbers(made.fleet())).rows == [COLUMNS - 1] * 7
 
 
 def test_the_same_document_gives_the_same_text():

@@ -216,7 +216,7 @@ def test_bars_stay_within_their_track():
 
 def test_totals_count_robots_chains_and_numbers():
     totals = shown().root.one("p", class_="totals").text
-    assert "5 robots, 4 chains; 1 could not be read; 17,248 numbers computed twice" in totals
+    assert "5 robots, 4 chains; 1 could not be read; 1 fails check; 17,248 numbers computed twice" in totals
     assert "The engines DISAGREE on two-armed" in re.sub(r"\s+", " ", totals)
 
 
@@ -264,6 +264,24 @@ def test_thumbnails_are_at_one_scale_the_farthest_first():
     assert float(ruler.attributes["width"]) - 2 == pytest.approx(scales.pop() * metres, rel=0.01)
 
 
+def test_thumbnails_of_other_sizes_are_at_scales_of_their_own():
+    reaches = (9.0, 0.1, 1.3, 0.09, 0.5)
+    document = made.document(*(made.robot(f"r{i}", f"a{i}", chains=(made.chain(f"r{i}-1", reach=reach),))
+                               for i, reach in enumerate(reaches, 1)))  # fmt: skip
+    given = made.drawings(document)
+    part = HtmlPage(page(document, given)).root.one("section", class_="thumbnails")
+    links = [[link.attributes["href"] for link in grid.all("a")] for grid in part.all("ul", class_="grid")]
+    assert links == [["#r1-1"], ["#r3-1", "#r5-1"], ["#r2-1", "#r4-1"]]
+    for ruler, text, grid in zip(
+        part.all("svg", class_="ruler"), part.all("p", class_="scale"), part.all("ul", class_="grid"), strict=True
+    ):
+        scale = (float(ruler.attributes["width"]) - 2) / float(text.text.split()[0])
+        for link in grid.all("a"):
+            width = float(link.one("svg", class_="figure").attributes["width"])
+            assert width == pytest.approx(scale * given[f"{link.attributes['href'][1:]}/thumbnail"].metres, rel=0.01)
+            assert width > 40
+
+
 def test_a_single_thumbnail_compares_nothing():
     assert shown(lone).root.all("section", class_="thumbnails") == []
 
@@ -308,6 +326,7 @@ def test_units_that_differ_stand_with_their_numbers_and_others_in_the_header():
     table = mixed.one(**{"aria-label": "Joints of two-armed"})
     assert "[rad]" not in table.one("thead").text
     assert "0.400 m" in table.text
+    assert "follows finger_right \N{MULTIPLICATION SIGN} \N{MINUS SIGN}1 + 0.04" in table.text
 
 
 def test_a_robot_tells_its_certificate_readers_expectations_and_what_is_left_out():
@@ -332,5 +351,120 @@ def test_a_robot_of_which_nothing_was_compared_says_so():
 def test_robots_of_one_name_are_told_apart_by_their_path():
     twins = [made.robot(f"r{i}", path=f"folder{i}/arm.urdf", chains=()) for i in (1, 2)]
     root = HtmlPage(page(made.document(*twins), {})).root
-    names = [row.one("th").text.strip() for row in root.one(id="chains").one("tbody").all("tr")]
-    assert names == ["folder1/arm.urdf", "folder2/arm.urdf"]
+    rows = [row.one("th") for row in root.one(id="chains").one("tbody").all("tr")]
+    assert [row.one("a").text for row in rows] == ["panda", "panda"]
+    assert [row.one(class_="aside").text for row in rows] == ["folder1/arm.urdf", "folder2/arm.urdf"]
+    assert [part.one(class_="aside").text for part in root.all("summary") if part.all("h2")] == [
+        "folder1/arm.urdf",
+        "folder2/arm.urdf",
+    ]
+
+
+def test_a_path_that_says_what_the_name_does_is_not_said_twice():
+    document = made.document(made.robot(path="robots/Panda.urdf"), made.robot("r2", "two-armed", path="two_armed.urdf"))
+    assert HtmlPage(page(document, {})).root.all(class_="aside") == []
+
+
+# --- what check and the payload say ----------------------------------------------------------------------------
+
+
+def test_a_robot_that_fails_check_is_told_in_its_row_its_summary_and_the_header_and_can_be_filtered():
+    met, missed = made.ExpectationRow(title="reach", met=True, wanted="", found="", place=""), []
+    for verdict in (False, None):
+        missed.append(made.ExpectationRow(title="reach", met=verdict, wanted="", found="", place=""))
+    failing = made.robot("r2", "short", verdict="fail", findings=(), expectations=(met, *missed))
+    root = HtmlPage(page(made.document(made.robot(findings=()), failing), {})).root
+    fine, short = root.one(id="chains").one("tbody").all("tr")
+    assert "data-fails" in short.attributes
+    assert "data-fails" not in fine.attributes
+    assert "✕ 0 / 0 / 0 2 unmet" in re.sub(r"\s+", " ", short.text)
+    assert "unmet" not in fine.text
+    assert "✕ fails check: 2 of 3 expectations not met" in root.one("details", id="r2").all("summary")[0].text
+    assert "1 fails check" in root.one("p", class_="totals").text
+
+
+def test_what_died_was_not_checked():
+    root = HtmlPage(
+        page(made.document(made.failed("r1", status="crashed"), made.failed("r2", verdict="fail")), {})
+    ).root
+    died, unread = root.one(id="chains").one("tbody").all("tr")
+    assert "not checked" in died.text
+    assert "0 / 0 / 0" not in died.text
+    assert "0 / 0 / 0" in unread.text
+
+
+def columns(document):
+    heads = HtmlPage(page(document, {})).root.one(id="chains").one("thead").all("th")
+    return [re.sub(r"\s+", " ", head.text).strip() for head in heads]
+
+
+def cells(document, column):
+    rows = HtmlPage(page(document, {})).root.one(id="chains").one("tbody").all("tr")
+    return [row.all("td")[columns(document).index(column) - 1] for row in rows]
+
+
+def test_the_payload_that_is_asked_for_has_a_column_and_none_has_none():
+    two = made.chain(asked_payload=3.0, worst_loaded_use=1.11), made.chain("r1-2", asked_payload=3.0)
+    document = made.document(made.robot(chains=two))
+    over, unknown = cells(document, "worst use with 3 kg [%]")
+    assert over.attributes["data-value"] == "111.00000000000001"
+    assert "over the limit" in over.text
+    assert "not known" in unknown.text
+    other = made.document(made.robot(chains=(two[0], made.chain("r1-2", asked_payload=5.0))))
+    assert "worst use with the payload [%]" in columns(other)
+    assert not [title for title in columns(made.document(made.robot())) if "worst use" in title]
+
+
+def test_a_payload_without_limit_is_sorted_as_the_largest():
+    free = made.PayloadRow(mass=None, binding_joint="", least=0.0, unbounded=True)
+    over = made.PayloadRow(mass=None, binding_joint="j1", least=1.0, unbounded=False)
+    chains = made.chain(payload_at_mid=free), made.chain("r1-2"), made.chain("r1-3", payload_at_mid=over)
+    first, second, third = cells(made.document(made.robot(chains=chains)), "payload at mid [kg]")
+    assert third.text.strip() == "\N{MULTIPLICATION X} none"
+    assert float(third.attributes["data-value"]) == 0
+    assert first.text.strip() == "no limit"
+    assert float(first.attributes["data-value"]) > 1e100 > float(second.attributes["data-value"])
+
+
+@pytest.mark.parametrize("changes", [{"joints": ("neck",)}, {"turns_only": True}])
+def test_dexterity_that_compares_nothing_is_not_shown(changes):
+    document = made.document(made.robot(chains=(made.chain(**changes), made.chain("r1-2"))))
+    for column in ("dexterity, median", "near-singular [%]"):
+        nothing, something = cells(document, column)
+        assert "not known" in nothing.text
+        assert "data-value" not in nothing.attributes
+        assert "data-value" in something.attributes
+    assert "dexterity, median" not in HtmlPage(page(document, {})).root.one(id="r1-1").one("dl", class_="facts").text
+
+
+def test_numbers_of_different_units_say_so_to_what_sorts_them():
+    feet = made.chain("r1-2", distributions=(made.distribution(unit="m/rad"),))
+    document = made.document(made.robot(chains=(made.chain(), feet)))
+    assert [c.attributes.get("data-unit") for c in cells(document, "manipu\xadlability, median")] == [None, "m/rad"]
+
+
+# --- chains ----------------------------------------------------------------------------------------------------
+
+
+def test_families_outside_limits_are_folded_below_those_inside():
+    outside = made.family("far", inside_limits=False, condition="a-pi = -pi/2 and b = -1.5")
+    document = made.document(made.robot(chains=(made.chain(families=(outside, made.family())),)))
+    inside, folded = HtmlPage(page(document, {})).root.one(id="r1-1").all("table", class_="families")
+    assert [row.one("th").text for row in inside.one("tbody").all("tr")] == ["elbow"]
+    assert [row.one("th").text for row in folded.one("tbody").all("tr")] == ["far"]
+    assert folded.parent.parent.tag == "details"
+    assert "a-pi = \N{MINUS SIGN}π/2 and b = \N{MINUS SIGN}1.5" in folded.text
+
+
+def test_limbs_of_a_robot_that_are_alike_are_one_thumbnail():
+    def limbs(key, *reaches):
+        return tuple(made.chain(f"{key}-{i}", f"leg{i}", reach) for i, reach in enumerate(reaches, 1))
+
+    dog = made.robot("r1", "dog", chains=limbs("r1", 0.5, 0.502, 0.6, 0.498))
+    document = made.document(dog, made.robot("r2", "cat", chains=limbs("r2", 0.5)))
+    given = made.drawings(document)
+    given = {key: drawing for key, drawing in given.items() if key != "r1-3/thumbnail"}
+    part = HtmlPage(page(document, given)).root.one("section", class_="thumbnails")
+    assert [link.attributes["href"] for link in part.all("a")] == ["#r1-1", "#r2-1"]
+    assert [one.text for one in part.all(class_="alike")] == ["\N{MULTIPLICATION SIGN}3"]
+    assert "Not shown: 1 chain " in part.text

@@ -12,6 +12,7 @@ import pytest
 from kinetostat.report.fleet.describing import robot_document
 from kinetostat.report.fleet.table import CHAIN_COLUMNS, ROBOT_COLUMNS, robots_csv
 from report.check_reports import BAD, HOSTILE, MET, UNMET
+from report.fleet import fleet_documents as made
 from report.fleet.fleet_reports import checked, described, failed, fleet_of, profiled
 
 NAMES = ("textbook:planar_2r_6_3", "textbook:rigid_body", "example:panda", "example:ur5_robot")
@@ -100,3 +101,13 @@ def test_verdicts_are_those_of_check():
     (row,) = read(described("textbook:planar_2r_6_3"))
     assert row["verdict"] == checked("textbook:planar_2r_6_3").verdict.value
     assert (row["readers_agree"], row["engines_agree"]) == ("true", "true")
+
+
+def test_what_died_has_no_counts_of_findings_and_a_payload_without_limit_says_so():
+    free = made.PayloadRow(mass=None, binding_joint="", least=0.0, unbounded=True)
+    chains = made.chain(payload_at_mid=free), made.chain("r1-2"), made.chain("r1-3", payload_at_mid=None)
+    text = robots_csv(made.document(made.robot(chains=chains), made.failed("r2", status="crashed", verdict="crashed")))
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert [row["payload_unbounded"] for row in rows] == ["true", "false", "", ""]
+    assert [row["payload_at_mid [kg]"] for row in rows[:2]] == ["", "7.31"]
+    assert [row["errors"] for row in rows] == ["1", "1", "1", ""]

@@ -58,12 +58,20 @@ def test_each_robot_is_called_by_what_tells_it_from_the_others():
     }
 
 
+def test_a_chain_is_called_as_its_robot_and_by_name_where_that_has_several():
+    one, two = made.robot("r1", "panda"), made.loaded_robot("r2")
+    called = wording.chain_labels(made.document(one, two, made.without_chains("r3")))
+    assert called == {"r1-1": "panda", "r2-1": "two-armed: left_arm", "r2-2": "two-armed: right_arm"}
+
+
 def test_a_payload_says_what_sets_it_or_why_there_is_none():
     def told(**fields):
-        payload = made.PayloadRow(**{"mass": None, "binding_joint": "", "least": None} | fields)
-        return wording.payload_text(payload)
+        payload = made.PayloadRow(**{"mass": None, "binding_joint": "", "least": None, "unbounded": False} | fields)
+        return wording.payload_text(payload, 2.0)
 
     assert told(mass=7.314, binding_joint="elbow") == "7.31 kg, set by elbow"
     assert told(binding_joint="elbow", least=1.0) == "none, set by elbow: joints are overloaded"
-    assert told() == "no joint feels it"
+    assert told(unbounded=True) == "no limit: no joint feels it"
+    assert told(mass=1700.0, binding_joint="hip").endswith("set by hip (effort limits look like placeholders?)")
+    assert "placeholders" not in told(mass=19.9)
     assert wording.payload_text(None) == ""

@@ -40,7 +40,9 @@ def test_pictures_are_of_what_there_is(edge):
     assert "r1/tree" in edge.drawings
     assert {key.partition("/")[0] for key in edge.drawings} <= {"r1", *chains}
     for chain_ in edge.document.chains:
-        assert (f"{chain_.id}/distributions" in edge.drawings) == bool(chain_.distributions)
+        same = any(row.what == "histograms" for row in chain_.left)
+        assert (f"{chain_.id}/distributions" in edge.drawings) == (bool(chain_.distributions) and not same)
+        assert not same or all(row.maximum - row.minimum <= 0.01 * abs(row.maximum) for row in chain_.distributions)
         assert (f"{chain_.id}/poses" in edge.drawings) == bool(chain_.poses)
         assert (f"{chain_.id}/reach" in edge.drawings) == (f"{chain_.id}/thumbnail" in edge.drawings)
 
@@ -107,15 +109,32 @@ def test_a_robot_that_an_engine_refuses_is_told_with_the_reason(monkeypatch):
     monkeypatch.setattr(profiling, "profile", refuse)
     page = reported("textbook:planar_2r")
     assert (page.document.status, page.document.reason) == ("unreadable", "arm.urdf: too many joints")
-    assert page.document.verdict == "pass"  # of `check`
+    assert page.document.verdict == "fail"
 
 
-@pytest.mark.parametrize("wrong", [ChosenChain("link9"), ChosenChain("base", "base")])
-def test_chains_of_the_settings_that_cannot_be_are_told_with_the_robot(wrong):
-    page = reported("textbook:planar_2r", chains=(wrong,))
-    assert page.document.status == "unreadable"
-    assert page.document.reason.startswith("textbook:planar_2r: ")
-    assert repr(wrong.frame) in page.document.reason
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [
+        (ChosenChain("link9", place="k.toml:7"), "there is no frame 'link9' (did you mean 'link2'"),
+        (ChosenChain("link2", "bass", place="k.toml:7"), "did you mean 'base'"),
+        (ChosenChain("base", "base", place="k.toml:7"), "no joint moves 'base' relative to 'base'"),
+        (ChosenChain("link2", name="tool", place="k.toml:7"), "two chains are called 'tool'"),
+    ],
+)
+def test_a_chain_of_the_settings_that_cannot_be_costs_itself_alone(wrong, why):
+    page = reported("textbook:planar_2r", chains=(ChosenChain("tool"), wrong))
+    assert page.document.status == "done"
+    assert [(chain.frame, chain.found) for chain in page.document.chains] == [("tool", "settings")]
+    (slip,) = (left for left in page.document.left if left.place)
+    assert slip.what == f"chain '{wrong.name or wrong.frame}' (k.toml:7)"
+    assert why in slip.why
+
+
+def test_where_no_chain_of_the_settings_can_be_limbs_are_found_and_that_is_said():
+    page = reported("textbook:planar_2r", chains=(ChosenChain("link9"), ChosenChain("base")))
+    assert [chain.found for chain in page.document.chains] == ["tip"]
+    assert [left.what for left in page.document.left][:3] == ["chain 'link9'", "chain 'base'", "chains of the settings"]
+    assert "found instead" in page.document.left[2].why
 
 
 def test_a_picture_that_fails_is_a_bug_and_takes_nothing_down_in_silence(monkeypatch):

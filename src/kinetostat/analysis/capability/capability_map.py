@@ -20,11 +20,11 @@ from kinetostat.analysis.capability.grid import Grid, fitted
 from kinetostat.analysis.capability.voxels import Cells, VoxelSums
 from kinetostat.analysis.coordinates import Coordinates
 from kinetostat.analysis.crosscheck import Certificate, combined
-from kinetostat.analysis.indices import singular_value_unit
 from kinetostat.analysis.sweeping.running import Outcome, run
 from kinetostat.analysis.sweeping.samples import BLOCK, Source, halton_source
 from kinetostat.analysis.sweeping.sweep import SweepWork, sweep_work
 from kinetostat.analysis.task import Task
+from kinetostat.analysis.typical_length import unit_with_length
 from kinetostat.conventions import Array, Flags, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, quote
@@ -120,7 +120,7 @@ class CapabilityMap:
     @property
     def singular_value_unit(self) -> str:
         """Unit of singular values; "mixed" where metres and radians are mixed as they are."""
-        return singular_value_unit(self.task, self.coordinates.turning, scaled=self.length is not None)
+        return unit_with_length(self.task, self.coordinates.turning, self.length, self.length_reference)
 
     @property
     def volume(self) -> float:

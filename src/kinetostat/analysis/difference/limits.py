@@ -39,18 +39,13 @@ def limit_changes(ours: Joint, theirs: Joint, tolerance: Tolerance) -> Iterator[
 
 def swapped_limits(ours: Joint, theirs: Joint) -> str | None:
     """Return what is to be said where lower and upper are the wrong way round in one of two robots; None if not."""
-    was, now = (_swapped(joint) for joint in (ours, theirs))
+    was, now = ours.limit.swapped, theirs.limit.swapped
     if was is now:
         return None
     named = f"joint {quote(ours.name)}"
     if now:
         return f"{named}: lower is above upper now: read the other way round here, refused or locked by other tools"
     return f"{named}: lower was above upper, and is not any more"
-
-
-def _swapped(joint: Joint) -> bool:
-    lower, upper = joint.limit.lower, joint.limit.upper
-    return lower is not None and upper is not None and lower > upper
 
 
 def _stated(value: float | None) -> float | None:

@@ -17,12 +17,14 @@ class ChosenChain:
         base: the link that it is looked at from; empty: the root.
         name: what it is called; empty: its frame.
         payload: what it is to carry, kg.
+        place: where it is written: kinetostat.toml:12.
     """
 
     frame: str
     base: str = ""
     name: str = ""
     payload: float | None = None
+    place: str = ""
 
 
 @dataclass(frozen=True)
@@ -48,10 +50,17 @@ class Limb:
 
 @dataclass(frozen=True)
 class Left:
-    """Something that is not computed, or not shown, and why: no gap is silent."""
+    """Something that is not computed, or not shown, and why: no gap is silent.
+
+    Attributes:
+        what: what it is.
+        why: the reason.
+        place: where the settings ask for what the robot cannot have, kinetostat.toml:12; else empty.
+    """
 
     what: str
     why: str
+    place: str = ""
 
 
 @dataclass(frozen=True)

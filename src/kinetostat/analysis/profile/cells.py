@@ -6,13 +6,14 @@ import math
 
 import numpy as np
 
-from kinetostat.conventions import Array
+from kinetostat.conventions import Array, Flags
 
-__all__ = ["best_in_cells"]
+__all__ = ["best_in_cells", "covered_around"]
 
 _FINE = 0.7  # of a square: places are nearer to each other, so that none between them is left out
 _MOST = 12  # parts that a step between two places is divided into
 _AT_ONCE = 400_000  # places
+_ACROSS, _RIM = 240, 2  # squares across all of a sheet; and how many there are around a place inside it
 
 
 def best_in_cells(points: Array, values: Array, box: Array, cells: tuple[int, int]) -> Array:
@@ -38,6 +39,20 @@ def best_in_cells(points: Array, values: Array, box: Array, cells: tuple[int, in
         inside = np.all((at >= 0) & (at < cells), axis=1)
         np.maximum.at(best, at[inside, 1] * cells[0] + at[inside, 0], strip[inside, 2])
     return np.where(np.isfinite(best), best, np.nan).reshape(cells[1], cells[0])
+
+
+def covered_around(points: Array, places: Array) -> Flags:
+    """Return whether a sheet over two joints (b, a, 2) covers all that is near places (k, 2): none is at its edge."""
+    from scipy.ndimage import binary_erosion
+
+    low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+    size = float((high - low).max()) / _ACROSS
+    cells = np.floor((high - low) / size).astype(np.int64) + 1
+    best = best_in_cells(points, np.ones(points.shape[:2]), np.array([low, low + cells * size]), (cells[0], cells[1]))
+    inner: Flags = binary_erosion(np.isfinite(best), np.ones((3, 3)), iterations=_RIM)
+    at = np.clip(np.floor((places - low) / size).astype(np.int64), 0, cells - 1)
+    around: Flags = inner[at[:, 1], at[:, 0]]
+    return around
 
 
 def _parts(steps: Array, size: Array) -> int:

@@ -12,6 +12,7 @@ _TOOLS = (
     re.compile(r"tool0|tcp|tool|flange|end_?effector|(^|_)ee(_|$)|grasp|gripper_frame", re.IGNORECASE),
     re.compile(r"foot|(?<!tor)sole|palm|(finger|hand)_?tip|(^|_)tip(_|$)", re.IGNORECASE),
 )
+_FINGER = re.compile(r"thumb|finger|jaw|claw", re.IGNORECASE)
 
 
 def moving_branches(robot: Robot) -> dict[str, int]:
@@ -31,13 +32,18 @@ def moving_branches(robot: Robot) -> dict[str, int]:
 def named_end(robot: Robot, body: str, ahead: dict[str, int]) -> str:
     """Return the frame of a body that is called a tool; else the one where moving branches leave it; else its own.
 
+    What is called a part of a finger, such as a thumb's base, gives way to the link of the body that carries it.
+
     Args:
         robot: the description.
         body: the link that a moving joint joins to what is above.
         ahead: the `moving_branches` of the robot.
     """
     branching = [link for link in fixed_to(robot, body) if ahead[link] > 1]
-    return tool(robot, body) or (branching[-1] if branching else body)
+    end = branching[-1] if branching else body
+    while end != body and _FINGER.search(end):
+        end = robot.parent_joint[end].parent
+    return tool(robot, body) or end
 
 
 def tool(robot: Robot, body: str) -> str | None:

@@ -28,7 +28,7 @@ from kinetostat.analysis.sweeping.sweep import Sweep
 from kinetostat.analysis.worst import WorstTorques, worst_torques
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
-from kinetostat.errors import quoted
+from kinetostat.errors import UsageError, quoted
 from kinetostat.screw import se3
 from kinetostat.urdf.description import JointType
 
@@ -36,6 +36,7 @@ __all__ = ["Asked", "limb_profile"]
 
 _FARTHEST = 64  # of the sweep's configurations, from which the climb for the reach chooses
 _SECTIONS = "map of the reach"
+_SEARCHED = 20  # joints: time and memory of what is looked for in pairs of joints grow with their square
 _DRAWN = 2000  # configurations for that where there is no sweep
 
 
@@ -142,16 +143,21 @@ def _beginning(model: Model, limb: Limb, at: Array, gathered: Gathered) -> tuple
 
 def _payload(model: Model, limb: Limb, middle: Array, asked: Asked, gathered: Gathered) -> Strongest | None:
     """Return the largest payload at the middle of limits, as far as the limb's own joints decide."""
+    joints = [model.robot.joint_by_name[name] for name in limb.joints]
 
     def most() -> Strongest:
         weighed = torque(model, middle, gravity=True)
-        own = weighed.limits.of_joints(model.robot, [model.robot.joint_by_name[name] for name in limb.joints])
+        own = weighed.limits.of_joints(model.robot, joints)
         found = strongest(model, limb.frame, middle, "payload", replace(weighed, limits=own))
         gathered.certify("payload", weighed.certificate, found.certificate)
         return found
 
     if asked.weightless is not None:
         gathered.leave("payload", asked.weightless)
+        return None
+    missing = effort_limits(model.robot).of_joints(model.robot, joints).missing
+    if len(missing) == sum(len(joint.velocity_names) for joint in joints):  # without limits no load is the largest
+        gathered.leave("payload", f"no effort limits: {', '.join(dict.fromkeys(missing.values()))}")
         return None
     return gathered.attempt("payload", most)
 
@@ -176,7 +182,18 @@ def _loaded(model: Model, limb: Limb, middle: Array, asked: Asked, gathered: Gat
     return found
 
 
+def _refuse_many(limb: Limb) -> None:
+    """Refuse what takes minutes and gigabytes of a chain of many joints.
+
+    Raises:
+        UsageError: it has too many.
+    """
+    if len(limb.joints) > _SEARCHED:
+        raise UsageError(f"looked for in chains of up to {_SEARCHED} joints, and this has {len(limb.joints)}")
+
+
 def _families(model: Model, limb: Limb, asked: Asked, gathered: Gathered) -> SingularFamilies:
+    _refuse_many(limb)
     # Without rows of its own the search takes those that the sweep takes: both ask the mechanism.
     found = singular_find(model, limb.frame, relative_to=limb.base, starts=asked.starts, seed=asked.seed)
     gathered.certify("singular families", found.certificate)
@@ -186,5 +203,6 @@ def _families(model: Model, limb: Limb, asked: Asked, gathered: Gathered) -> Sin
 def _sections(
     model: Model, limb: Limb, swept: Sweep, poses: tuple[LimbPose, ...], families: SingularFamilies | None
 ) -> tuple[Section, ...]:
+    _refuse_many(limb)
     q, name = held_pose(model, limb, swept, poses)
     return sections(model, limb, q, name, task=swept.task, length=swept.length, families=families)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kinetostat.analysis.profile.anatomy import Anatomy, ChosenChain, Limb
+from kinetostat.analysis.profile.anatomy import Anatomy, ChosenChain
+from kinetostat.analysis.profile.chosen import chosen_limbs
 from kinetostat.analysis.profile.found import found
 from kinetostat.analysis.profile.groups import named_by_groups
 from kinetostat.analysis.profile.leaving import beside_chosen, beside_found
 from kinetostat.engines.model import Model
-from kinetostat.errors import UsageError, quote
-from kinetostat.urdf.description import Robot
 
 __all__ = ["limbs"]
 
@@ -36,7 +35,7 @@ def limbs(model: Model, chosen: Sequence[ChosenChain] = ()) -> Anatomy:
         EngineError: Pinocchio refuses the robot.
     """
     if chosen:
-        named = _chosen(model.robot, chosen)
+        named = chosen_limbs(model.robot, chosen)
         return Anatomy(named, beside_chosen(model.robot, named))
     tree = found(model)
     others = {joint for hand in tree.hands for joint in hand.joints}
@@ -44,20 +43,3 @@ def limbs(model: Model, chosen: Sequence[ChosenChain] = ()) -> Anatomy:
     every = sorted(named_by_groups(model, tree.limbs, others), key=lambda limb: -len(limb.joints))
     shown, more = tuple(every[:_MOST]), tuple(every[_MOST:])
     return Anatomy(shown, beside_found(model.robot, tree, shown, more))
-
-
-def _chosen(robot: Robot, chosen: Sequence[ChosenChain]) -> tuple[Limb, ...]:
-    """Return chosen chains as limbs."""
-    named = dict[str, Limb]()
-    for chain in chosen:
-        frame, base = robot.frame(chain.frame), robot.frame(chain.base or robot.root)
-        name = chain.name or frame
-        joints = tuple(joint.name for joint in robot.movable_path(base, frame))
-        if not joints:
-            message = f"no joint moves {quote(frame)} relative to {quote(base)}"
-            raise UsageError(message, remedy="choose another frame or base under [[robots.chains]]")
-        if name in named:
-            remedy = "give each its own name under [[robots.chains]]"
-            raise UsageError(f"two chains are called {quote(name)}", remedy=remedy)
-        named[name] = Limb(name, base, frame, joints, "settings", chain.payload)
-    return tuple(named.values())

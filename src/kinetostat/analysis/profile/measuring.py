@@ -89,3 +89,7 @@ def _say_what_limits_lack(model: Model, limb: Limb, gathered: Gathered) -> None:
         some = [name for name, one, kind in zip(arm.names, endless, arm.turning, strict=True) if one and kind is turns]
         if some:
             gathered.leave(f"the whole range of {quoted(some)}", f"no limit: taken within {words}")
+    lower, upper = arm.limits
+    locked = [name for name, low, high in zip(arm.names, lower, upper, strict=True) if low == high]
+    if locked:
+        gathered.leave(f"motion of {quoted(locked)}", "limits are one position: locked there")

@@ -4,26 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from kinetostat.analysis.configuration import configuration
+from kinetostat.analysis.configuration import configuration, contradicted
 from kinetostat.analysis.crosscheck import Certificate
 from kinetostat.analysis.profile.anatomy import Anatomy
 from kinetostat.analysis.profile.gathering import Gathered
 from kinetostat.analysis.profile.limb_profiling import Asked, limb_profile
+from kinetostat.analysis.profile.limbs import limbs
 from kinetostat.analysis.profile.result import LimbProfile, RobotProfile
 from kinetostat.analysis.statics import refuse_negative_masses
 from kinetostat.analysis.summary import Summary, summary
 from kinetostat.analysis.worst import WorstTorques, worst_torques
 from kinetostat.engines.model import Model
-from kinetostat.errors import NumberError, cut
+from kinetostat.errors import NumberError, cut, quoted
+from kinetostat.urdf.description import Robot
 
 __all__ = ["profile"]
 
 _WORST = "worst gravity torques"
+_CLIMBED = 100  # joints: the climb takes the third power of their number
 
 
 def profile(
     model: Model,
-    anatomy: Anatomy,
+    anatomy: Anatomy | None = None,
     *,
     samples: int = 20_000,
     seed: int = 0,
@@ -37,7 +40,7 @@ def profile(
 
     Args:
         model: the robot.
-        anatomy: its limbs, see `limbs.limbs`.
+        anatomy: its limbs; None: those that `limbs.limbs` finds.
         samples: how many random configurations inside limits each limb's measures are of.
         seed: of the random numbers.
         payload: what each limb is to carry, kg, but for those that have a payload of their own; None: nothing.
@@ -47,11 +50,12 @@ def profile(
     Raises:
         EngineError: Pinocchio refuses the robot.
     """
-    tell = progress or (lambda _what, _share: None)
+    tell, anatomy = progress or (lambda _what, _share: None), anatomy or limbs(model)
     certificates = dict[str, Certificate]()
     gathered = Gathered(certificates)
     made = summary(model)
     gathered.certify("masses", made.certificate)
+    _say_how_limits_are_read(model.robot, gathered)
     weightless = _weightless(model, made)
     asked = Asked(samples, seed, payload, starts, weightless)
     steps = len(anatomy.limbs) + 1
@@ -68,6 +72,16 @@ def profile(
     return RobotProfile(model, made, tuple(found), worst, (*anatomy.left, *gathered.left), certificates)
 
 
+def _say_how_limits_are_read(robot: Robot, gathered: Gathered) -> None:
+    """Tell of limits that are not taken as the file has them."""
+    swapped = [joint.name for joint in robot.joints if joint.limit.swapped]
+    if swapped:
+        gathered.leave(f"limits of {quoted(swapped)}", "lower is above upper: read the other way round")
+    leaders = contradicted(robot)
+    if leaders:
+        gathered.leave(f"limits of followers of {quoted(leaders)}", "they leave it no range: left out of account")
+
+
 def _weightless(model: Model, made: Summary) -> str | None:
     """Return why nothing can be said of weight; None if it can."""
     try:
@@ -80,6 +94,10 @@ def _weightless(model: Model, made: Summary) -> str | None:
 def _worst(model: Model, weightless: str | None, seed: int, gathered: Gathered) -> WorstTorques | None:
     if weightless is not None:
         gathered.leave(_WORST, weightless)
+        return None
+    joints = len(model.robot.independent)
+    if joints > _CLIMBED:
+        gathered.leave(_WORST, f"looked for in robots of up to {_CLIMBED} joints, and this has {joints}")
         return None
     found = gathered.attempt(_WORST, lambda: worst_torques(model, configuration(model, "mid").q, seed=seed))
     if found is not None:

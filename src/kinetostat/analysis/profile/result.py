@@ -95,4 +95,6 @@ class RobotProfile:
     certificates: dict[str, Certificate]
 
     def __repr__(self) -> str:
-        return f"<RobotProfile of {self.model.robot.name!r}: {len(self.limbs)} limbs>"
+        return (
+            f"<RobotProfile of {self.model.robot.name!r}: {len(self.limbs)} limb{'' if len(self.limbs) == 1 else 's'}>"
+        )

@@ -5,10 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from kinetostat.analysis.singular.slices import Curve
 from kinetostat.conventions import Array
 
 __all__ = ["Section"]
+
+_SAME = 0.05  # of the largest: a value that varies by less is the same
 
 
 @dataclass(frozen=True, repr=False)
@@ -38,6 +42,11 @@ class Section:
     curves: tuple[Curve, ...]
     unlimited: tuple[Curve, ...]
     arm: Array
+
+    @property
+    def same_everywhere(self) -> bool:
+        """Whether the smallest singular value is the same all over it, but for a twentieth: no map of anything."""
+        return bool(np.ptp(self.smallest) <= _SAME * np.max(self.smallest))
 
     def __repr__(self) -> str:
         return f"<Section from the {self.view}: {self.points.shape[:2]} places>"

@@ -14,7 +14,7 @@ from kinetostat.analysis.singular.mechanism import MODEL
 from kinetostat.analysis.singular.slices import Curve, positions_in_words
 from kinetostat.conventions import Array, Flags
 
-__all__ = ["SINGULAR", "singular_curves", "singular_lines"]
+__all__ = ["SINGULAR", "runs", "singular_curves", "singular_lines"]
 
 SINGULAR = 1e-6  # of the largest smallest singular value of the section: a vertex that has more is not drawn
 _POINTS = 181
@@ -23,20 +23,25 @@ _OFF = 0.1  # of a step: lines of the grid keep off round positions, where zeros
 _ALL = 1e-9  # of the largest singular value: where the smallest is below it everywhere, there are no curves
 _SAME = 1e-6  # rad or m: two curves, or two positions, that are one
 _POINT = 1e-9  # m: what is no longer is a point of the plane, not a curve
+_ROUND = 0.01  # of the square of its extent, the area that a curve goes round at least
 _STEPS = 40  # of false position at most
 
 Determinant = Callable[[Array], Array]
 
 
 def singular_curves(two: TwoJoints, directions: Array, families: SingularFamilies | None) -> tuple[list[Curve], ...]:
-    """Return the singular curves inside limits, and those beyond them, were there no limits, in a plane (2, 3)."""
+    """Return the singular curves inside limits, and those beyond them, were there no limits, in a plane (2, 3).
+
+    Beyond limits, what continues a curve inside them, and what goes round an area; a piece alone tells nothing.
+    """
     inside, beyond = list[Curve](), list[Curve]()
     for line in singular_lines(two, families):
         points, label = two.computed(line)["placement"][..., :3, 3] @ directions.T, _label(two, line)
         within = two.inside(line, 2 * _EDGE)
         outside = _touching(~within)  # up to the limit
-        for found, wanted in ((inside, within), (beyond, outside)):
-            parts = [points[run] for run in _runs(wanted)]
+        told = np.any(within) or _goes_round(points)
+        for found, wanted in ((inside, within), (beyond, outside & told)):
+            parts = [points[run] for run in runs(wanted)]
             found += [Curve(label, part, "singular") for part in parts if np.ptp(part, axis=0).max() > _POINT]
     return inside, beyond
 
@@ -60,7 +65,7 @@ def singular_lines(two: TwoJoints, families: SingularFamilies | None) -> list[Ar
     traced = [] if determinant is None else _contours(two, x, y, determinant, grid)
     traced += _of_families(two, families, x, y, traced)
     zero = [two.computed(line)["singular_values"][..., -1] < SINGULAR * largest for line in traced]
-    return [line[run] for line, wanted in zip(traced, zero, strict=True) for run in _runs(wanted)]
+    return [line[run] for line, wanted in zip(traced, zero, strict=True) for run in runs(wanted)]
 
 
 def _lines(two: TwoJoints, index: int) -> Array:
@@ -257,10 +262,17 @@ def _label(two: TwoJoints, line: Array) -> str:
     return "singular"
 
 
-def _runs(wanted: Flags) -> list[slice]:
+def runs(wanted: Flags) -> list[slice]:
     """Return the stretches of a line, of two vertices or more, that are wanted."""
     changes = np.flatnonzero(np.diff(np.r_[False, wanted, False]))
     return [slice(start, end) for start, end in changes.reshape(-1, 2) if end - start > 1]
+
+
+def _goes_round(points: Array) -> bool:
+    """Return whether a curve in a plane (k, 2) is closed, and has an area inside."""
+    x, y = (points - points[0]).T
+    area = abs(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])) / 2
+    return bool(np.linalg.norm(points[0] - points[-1]) < _SAME and area > _ROUND * np.ptp(points, axis=0).max() ** 2)
 
 
 def _touching(wanted: Flags) -> Flags:

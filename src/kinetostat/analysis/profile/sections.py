@@ -10,8 +10,9 @@ from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.coordinates import coordinates
 from kinetostat.analysis.kernels import chain_kernel
 from kinetostat.analysis.profile.anatomy import Limb
+from kinetostat.analysis.profile.cells import covered_around
 from kinetostat.analysis.profile.section import Section
-from kinetostat.analysis.profile.section_curves import singular_curves
+from kinetostat.analysis.profile.section_curves import runs, singular_curves
 from kinetostat.analysis.profile.section_views import View, views_of_limb
 from kinetostat.analysis.profile.two_joints import TwoJoints, ends_of, grid_of
 from kinetostat.analysis.singular.find import SingularFamilies
@@ -58,7 +59,8 @@ def sections(
 
     Returns:
         At most one from the side and one from above; one alone of an arm that moves in a plane, which is drawn in that
-        plane; none where no two joints move the tool over an area.
+        plane, and of one that moves equally well all over the section from above; none where no two joints move the
+        tool over an area.
 
     Raises:
         UsageError: the limb has no joint, or a floating one; its joints never move the tool along the rows.
@@ -75,7 +77,8 @@ def sections(
     kernel = replace(kernel, rank=_rank(model, limb, task, families))
     arm, held = skeleton(model, limb.frame, rest, limb.base).points, rest[list(joints.indices)]
     both = [(view, TwoJoints(joints, kernel, view.pair, held, ends)) for view in views]
-    return tuple(_section(view, two, name, arm, families) for view, two in both)
+    found = [_section(view, two, name, arm, families) for view, two in both]
+    return tuple(one for one in found if one is found[0] or not one.same_everywhere)
 
 
 def _rank(model: Model, limb: Limb, task: Task, families: SingularFamilies | None) -> int:
@@ -105,12 +108,16 @@ def _section(view: View, two: TwoJoints, name: str, arm: Array, families: Singul
 
 
 def _limit_curves(two: TwoJoints, points: Array) -> list[Curve]:
-    """Return the edges of the grid (b, a, 2) where one of the two joints is at a limit that the file states."""
+    """Return the edges of the grid (b, a, 2) where one of the two joints is at a limit that the file states.
+
+    Only as far as they bound what the section covers: elsewhere another posture gets beyond them.
+    """
     edges = ((points[:, 0], points[:, -1]), (points[0], points[-1]))
     curves = []
     for joint, index, both in zip(two.names, two.pair, edges, strict=True):
         stated = [ends[index] for ends in two.joints.stated_limits]
         for end, edge in zip(stated, both, strict=True):
             if np.isfinite(end) and not two.whole(index):
-                curves.append(Curve(positions_in_words(two.joints, {joint: float(end)}), np.array(edge), "limit"))
+                label = positions_in_words(two.joints, {joint: float(end)})
+                curves += [Curve(label, edge[run].copy(), "limit") for run in runs(~covered_around(points, edge))]
     return curves

@@ -88,6 +88,7 @@ def _plainest(mechanism: Mechanism, lost: Array, everywhere: Array) -> Array:
     """Return lost wrenches plus such as are unfelt everywhere, so as to be plain couples or forces if they can."""
     rows = np.array(mechanism.task.rows)
     plain = lost.copy()
+    everywhere = np.where(np.abs(everywhere) < np.finfo(float).eps, 0.0, everywhere)  # columns of length 1: rounding
     for unwanted in (rows >= 3, rows < 3):  # forces through the tool point first, couples win
         share, *_ = np.linalg.lstsq(everywhere[unwanted], -lost[unwanted], rcond=None)
         candidate = lost + everywhere @ share

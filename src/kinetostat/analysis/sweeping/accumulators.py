@@ -87,11 +87,29 @@ class Counts:
         return Counts(first, counts)
 
     @property
+    def edges(self) -> Array:
+        """The ends of the bins, in order. (b + 1,)."""
+        edges = (np.arange(self.first, self.first + len(self.counts) + 1) << _SHIFT).view(np.float64)
+        finite: Array = np.minimum(edges, np.finfo(np.float64).max)
+        return finite
+
+    @property
     def middles(self) -> Array:
         """The middle of each bin. (b,)."""
-        edges = (np.arange(self.first, self.first + len(self.counts) + 1) << _SHIFT).view(np.float64)
-        middles: Array = edges[:-1] + (np.minimum(edges[1:], np.finfo(np.float64).max) - edges[:-1]) / 2
+        edges = self.edges
+        middles: Array = edges[:-1] + (edges[1:] - edges[:-1]) / 2
         return middles
+
+    def up_to(self, values: Array, ends: tuple[float, float]) -> Array:
+        """Return how many are below values (k,) between the ends, those of a bin being spread evenly over it. (k,)."""
+        if not len(self.counts):
+            return np.zeros(len(values))
+        edges, before = np.clip(self.edges, *ends), np.concatenate([[0], np.cumsum(self.counts)])
+        bins = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(self.counts) - 1)
+        width = np.diff(edges)[bins]
+        share = np.clip((values - edges[bins]) / np.where(width > 0, width, 1.0), 0.0, 1.0)
+        found: Array = before[bins] + self.counts[bins] * np.where(values < edges[-1], share, 1.0)
+        return found
 
 
 def _bins(values: Array, smallest: float, largest: float) -> tuple[Integers, int, int]:
@@ -249,7 +267,10 @@ class Tally:
         return [ends.get(rank, float(x)) for rank, x in zip(ranks, found, strict=True)]
 
     def histogram(self, bins: int = 20) -> Histogram:
-        """Return how the finite numbers are distributed over bins of equal width between the extremes."""
+        """Return how the finite numbers are distributed over bins of equal width between the extremes.
+
+        Numbers are known to `ACCURACY`: those that cannot be told apart are spread evenly over where they may be.
+        """
         middles, counts = self._all_bins()
         used = np.isfinite(middles) & (counts > 0)
         middles, counts = middles[used], counts[used]
@@ -263,10 +284,13 @@ class Tally:
             np.unique(low + (high / bins - low / bins) * np.arange(bins + 1)) if low < high else np.array([low, high])
         )
         edges[-1] = high
-        place = np.clip(np.searchsorted(edges, middles, side="right") - 1, 0, len(edges) - 2)
-        summed = np.zeros(len(edges) - 1, dtype=np.int64)
-        np.add.at(summed, place, counts)
-        return Histogram(edges, summed)
+        reached = np.rint(self._below(edges[1:-1], low, high)).astype(np.int64)
+        return Histogram(edges, np.diff(reached, prepend=0, append=self.finite))
+
+    def _below(self, values: Array, low: float, high: float) -> Array:
+        """Return how many finite numbers, all between two, are below values (k,), spread as in `histogram`. (k,)."""
+        negative = float(np.sum(self.negative.counts)) - self.negative.up_to(-values, (max(-high, 0.0), max(-low, 0.0)))
+        return negative + self.zeros * (values > 0) + self.positive.up_to(values, (max(low, 0.0), max(high, 0.0)))
 
     def _all_bins(self) -> tuple[Array, Integers]:
         """Return all bins in order of their values: a number of each, and how many there are."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetostat.analysis.coordinates import Coordinates
-from kinetostat.analysis.indices import inverse_condition_number, isotropy, powered, singular_value_unit
+from kinetostat.analysis.indices import inverse_condition_number, isotropy, powered
 from kinetostat.analysis.task import Task
 from kinetostat.conventions import TWIST_ROWS, TWIST_UNITS, Array
 from kinetostat.errors import UsageError, quote, unknown_name
@@ -239,9 +239,8 @@ _ALL = (
 MEASURES = {measure.name: measure for measure in _ALL}
 
 
-def subject(coordinates: Coordinates, task: Task, rank: int, *, scaled: bool) -> Subject:
-    """Return what the columns of a chain's measures depend on; `scaled` if there is a characteristic length."""
-    unit = singular_value_unit(task, coordinates.turning, scaled=scaled)
+def subject(coordinates: Coordinates, task: Task, rank: int, unit: str) -> Subject:
+    """Return what the columns of a chain's measures depend on; `unit` is that of its singular values."""
     return Subject(coordinates.names, coordinates.turning, task, unit, rank)
 
 

@@ -29,7 +29,7 @@ from kinetostat.analysis.sweeping.samples import (
     random_source,
 )
 from kinetostat.analysis.sweeping.sweep_work import SweepWork
-from kinetostat.analysis.typical_length import asked_length
+from kinetostat.analysis.typical_length import asked_length, unit_with_length
 from kinetostat.conventions import Array, Reference
 from kinetostat.engines.model import Model
 from kinetostat.errors import ConfigurationError, UsageError, cut, quote, quoted, unknown_name
@@ -81,7 +81,7 @@ def sweep_work(
     if not 0 < near <= 1:
         raise UsageError(f"near-singular is below a number between 0 and 1, not {near:g}", remedy=f"such as {NEAR}")
     size, size_reference = asked_length(chain, task, length)
-    described = subject(chain, task, rank, scaled=size is not None)
+    described = subject(chain, task, rank, unit_with_length(task, chain.turning, size, size_reference))
     wanted = _with_thresholds(asked(measures, described), [*(below or {}), *(above or {})], described)
     if configurations is not None:
         rest = _rest_of(chain, wanted, configurations, rest)
@@ -106,7 +106,7 @@ def sweep_work(
     )
     warnings = [*_about_limits(chain, source), *_about_outside(chain, source), *_about_efforts(chain, wanted, limits)]
     if described.unit == "mixed" and {"singular_values", "yoshikawa"} & set(outputs):
-        remedy = "no turn moves a linear row that counts; --length L" if length == "auto" else "--length auto"
+        remedy = "no turn moves an angular row that counts; --length L" if length == "auto" else "--length auto"
         mixed = "m and rad are mixed: such numbers depend on the unit of length"
         warnings.append(f"{mixed} ({remedy} makes them comparable)")
     if rank < possible and {"singular_values", "yoshikawa"} & set(outputs):
@@ -236,13 +236,12 @@ def _in_column(values: Array, column: int, width: int) -> Array:
 
 
 def _about_limits(chain: Coordinates, source: Source) -> list[str]:
-    """Return what is to be said of limits: slides that cannot move, angles and slides that have none."""
+    """Return what is to be said of limits: joints that cannot move within them, angles and slides that have none."""
     if source.kind not in ("random", "low-discrepancy"):
         return []
     (low, high), (lower, upper) = chain.stated_limits, chain.limits
     named = list(zip(chain.names, chain.turning, low, high, lower, upper, strict=True))
-    with np.errstate(over="ignore"):  # limits of 1e308 are written for none
-        locked = [name for name, turns, a, b, c, d in named if not turns and b - a < d - c]
+    locked = [name for name, _, _, _, c, d in named if c == d]
     missing = [
         f"{cut(name)} ({c:.4g} to {d:.4g} {'rad' if turns else 'm'})"
         for name, turns, a, b, c, d in named
@@ -250,10 +249,7 @@ def _about_limits(chain: Coordinates, source: Source) -> list[str]:
     ]
     warnings = []
     if locked:
-        warnings.append(
-            f"joint {quote(locked[0])} cannot move within its limits, and is swept 0.5 m to either side"
-            + (f" (and {len(locked) - 1} more)" if len(locked) > 1 else "")
-        )
+        warnings.append(f"the limits of {quoted(locked)} are one position: locked there")
     if missing:
         more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
         warnings.append(f"no limits, so swept: {', '.join(missing[:3])}{more}")

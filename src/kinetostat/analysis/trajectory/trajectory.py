@@ -12,7 +12,7 @@ import numpy as np
 from kinetostat.analysis.configuration import LARGEST_LENGTH, checked
 from kinetostat.analysis.coordinates import Coordinates, coordinates
 from kinetostat.analysis.crosscheck import Certificate
-from kinetostat.analysis.indices import NEAR, inverse_condition_number, singular_value_unit
+from kinetostat.analysis.indices import NEAR, inverse_condition_number
 from kinetostat.analysis.kernels import chain_kernel
 from kinetostat.analysis.loads import Payload, checked_gravity, effort_limits
 from kinetostat.analysis.singular.at import remarks
@@ -22,7 +22,7 @@ from kinetostat.analysis.trajectory.joints import moved_joints, speed_limits, un
 from kinetostat.analysis.trajectory.near import NearSpan, near_spans
 from kinetostat.analysis.trajectory.timeline import Timeline, certificate, timeline
 from kinetostat.analysis.trajectory.violations import Violation, violations
-from kinetostat.analysis.typical_length import asked_length
+from kinetostat.analysis.typical_length import asked_length, unit_with_length
 from kinetostat.conventions import Array, Flags, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.errors import ConfigurationError, UsageError, quote
@@ -152,7 +152,7 @@ class Trajectory:
     @property
     def unit(self) -> str:
         """Unit of a singular value: of rows over columns."""
-        return singular_value_unit(self.mechanism.task, self.mechanism.turning, scaled=self.length is not None)
+        return unit_with_length(self.mechanism.task, self.mechanism.turning, self.length, self.length_reference)
 
     @property
     def speed_unit(self) -> str:

@@ -18,18 +18,21 @@ from kinetostat.report.figures.histograms import (
     same_everywhere,
     worth_drawing,
 )
+from kinetostat.report.figures.names import told_apart
 from kinetostat.report.figures.sheet import GAP, INK, MARGINS, VERMILION, WIDTH, Entry, empty_sheet, house_style, named
 from kinetostat.report.measured import reading
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from kinetostat.analysis.sweeping.result import Distribution
+    from kinetostat.analysis.sweeping.result import Distribution, Sweep
 
-__all__ = ["distributions_figure"]
+__all__ = ["distributions_figure", "varies"]
 
 _HEIGHT, _BETWEEN = 1.5, 0.78  # in, of a panel; from one row of panels to the next
 _TENTH: dict[str, Any] = {"color": VERMILION, "linewidth": 1.1, "linestyle": (0, (4, 2))}
+_LIMIT: dict[str, Any] = {"color": INK, "linewidth": 1.3}
+_EFFORT = "effort_use"
 _MARK: dict[str, Any] = {"markersize": 5, "linestyle": "none", "markeredgecolor": "none"}
 _LETTERS = "abcdefghijklmnopqrstuvwxyz"
 _CLOSE = 0.045  # of a panel's width: letters that are closer stand together
@@ -45,35 +48,59 @@ def distributions_figure(profile: LimbProfile) -> Figure:
     title = f"{named(profile.limb.name)} inside its limits"
     if profile.sweep is None:
         return empty_sheet(title, [f"{named(left.what, 60)}: {named(left.why, 200)}" for left in profile.left[:3]])
-    whole = [one for one in profile.sweep.measures.values() if not reading(one.column).part]
-    columns = [one for one in worth_drawing(profile.sweep) if one in whole][:MOST]
+    whole, columns = _whole(profile.sweep), _varying(profile.sweep)
     lines = [f"{profile.sweep.count:,} configurations, {profile.sweep.source.label}"]
     poses = profile.poses[: len(_LETTERS)]
-    told = (f"{letter} {named(pose.name, 20)}{_outside(pose)}" for letter, pose in zip(_LETTERS, poses, strict=False))
+    names = told_apart([pose.name for pose in poses], 20)
+    told = [f"{_LETTERS[i]} {names[i]}{_outside(pose)}" for i, pose in enumerate(poses)]
     lines += [f"named poses: {', '.join(told)}"] if poses else []
     lines += same_everywhere([one for one in whole if one not in columns])
     if not columns:
         return empty_sheet(title, [*lines, "no measure has several values"])
     with house_style():
         size = ((WIDTH - MARGINS - GAP) / 2, _HEIGHT)
-        figure, panels = panel_sheet(len(columns), size, _BETWEEN, title, lines, _entries(poses))
+        figure, panels = panel_sheet(len(columns), size, _BETWEEN, title, lines, _entries(profile.sweep, poses))
         for ax, one in zip(panels, columns, strict=True):
             left, low, wide, high = ax.get_position().bounds
             ax.set_position((left, low, wide, _SHARE * high))
             draw_histogram(ax, one, [(one.quantile(0.1), "0.1", _TENTH), (one.quantile(0.5), "0.5", MEDIAN)])
+            if _beyond(profile.sweep) and one.column.measure == _EFFORT:
+                ax.axvline(reading(one.column).factor, label="limit", **_LIMIT)
             _mark(ax, one, poses)
         return figure
+
+
+def varies(profile: LimbProfile) -> bool:
+    """Return whether a measure of a limb has several values: else there is nothing that a histogram would show."""
+    return profile.sweep is not None and bool(_varying(profile.sweep))
+
+
+def _whole(sweep: Sweep) -> list[Distribution]:
+    """Return the measures that are about the limb, not about a part of it."""
+    return [one for one in sweep.measures.values() if not reading(one.column).part]
+
+
+def _varying(sweep: Sweep) -> list[Distribution]:
+    whole = _whole(sweep)
+    return [one for one in worth_drawing(sweep) if one in whole][:MOST]
+
+
+def _beyond(sweep: Sweep) -> float:
+    """Return the share of configurations in which the weight asks for more than an effort limit."""
+    return next((one.share for one in sweep.above if one.column.name == _EFFORT and one.threshold == 1.0), 0.0)
 
 
 def _outside(pose: LimbPose) -> str:
     return "" if pose.inside else " (outside limits)"
 
 
-def _entries(poses: Sequence[LimbPose]) -> list[Entry]:
+def _entries(sweep: Sweep, poses: Sequence[LimbPose]) -> list[Entry]:
     """Return the legend."""
     from matplotlib.lines import Line2D
 
     entries = [bars_entry(), line_entry("median", MEDIAN), line_entry("10 % are below it", _TENTH)]
+    if _beyond(sweep):
+        entries.append(line_entry(f"an effort limit: {100 * _beyond(sweep):.2g} % are beyond it", _LIMIT))
     if poses:
         entries.append((Line2D([], [], color=INK, marker="v", **_MARK), "named pose"))
     return entries

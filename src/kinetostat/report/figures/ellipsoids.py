@@ -11,7 +11,7 @@ import numpy as np
 
 from kinetostat.analysis.manipulability import Block
 from kinetostat.conventions import Array
-from kinetostat.report.figures.sheet import BLUE, VERMILION, Entry, rounded
+from kinetostat.report.figures.sheet import BLUE, INK, VERMILION, Entry, rounded
 from kinetostat.report.figures.views import NEGLIGIBLE
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
 ]
 
 _LONGEST_AXIS = 0.42  # of the arm's size: how long an ellipsoid's longest axis may be drawn
+_ROUNDING = 1e-12  # what is less is shown as 0
 _OUTLINES: dict[str, dict[str, Any]] = {  # not told apart by colour alone
     "velocity": {"edgecolor": BLUE, "facecolor": (BLUE, 0.22), "linewidth": 1.6, "linestyle": "-"},
     "force": {"edgecolor": VERMILION, "facecolor": (VERMILION, 0.16), "linewidth": 1.6, "linestyle": (0, (3.2, 1.6))},
@@ -51,6 +52,10 @@ class Shape:
     lengths: Array
     unit: str
     scale: float
+
+    def rescaled(self, lengths: Array, size: float) -> Shape:
+        """Return it with other lengths (m,), readable beside an arm of a size in m."""
+        return replace(self, lengths=lengths, scale=_readable(lengths, size))
 
     def shadow(self, view: Array) -> Array:
         """Return the semi-axes of the finite part's projection as columns, in m, the longest first. (2, 2)."""
@@ -86,10 +91,15 @@ def shapes_of(block: Block, turned: Array, size: float) -> tuple[Shape, ...]:
     shapes = []
     for name, ellipsoid, unitless in (("velocity", block.velocity, "m/m"), ("force", block.force, "N/N")):
         unit = {"1": unitless, "mixed": "mixed units"}.get(ellipsoid.unit, ellipsoid.unit)
-        longest = _finite_length(ellipsoid.lengths)
-        scale = rounded(_LONGEST_AXIS * size / longest, (1, 2, 3, 5)) if longest > 0 else 1.0
+        scale = _readable(ellipsoid.lengths, size)
         shapes.append(Shape(name, turned[:, block.task.rows] @ ellipsoid.axes, ellipsoid.lengths, unit, scale))
     return tuple(shapes)
+
+
+def _readable(lengths: Array, size: float) -> float:
+    """Return the scale at which axes of some lengths (m,) are readable beside an arm of a size in m."""
+    longest = _finite_length(lengths)
+    return rounded(_LONGEST_AXIS * size / longest, (1, 2, 3, 5)) if longest > 0 else 1.0
 
 
 def draw_ellipsoid(ax: Any, shape: Shape, view: Array, middle: Array, reach: float, arm: Array) -> None:
@@ -113,7 +123,7 @@ def draw_ellipsoid(ax: Any, shape: Shape, view: Array, middle: Array, reach: flo
         arrow = {**_ARROW, "color": outline["edgecolor"], "linewidth": 1.1, "zorder": 4.6}
         ax.add_patch(FancyArrowPatch(middle - tip, middle + tip, **arrow, label=f"{shape.name} without bound"))
         away = direction if direction @ (middle - arm) >= 0 else -direction
-        text = {"ha": "center", "va": "center", "color": outline["edgecolor"], "fontsize": 11, "zorder": 6}
+        text = {"ha": "center", "va": "center", "color": INK, "fontsize": 11, "zorder": 6}
         ax.annotate("∞", middle + reach * away, 8 * away, textcoords="offset points", **text)
 
 
@@ -134,13 +144,13 @@ def ellipsoid_entry(shape: Shape, words: str) -> Entry:
     return Patch(**_OUTLINES[shape.name]), words
 
 
-def unbounded_entry(shape: Shape) -> Entry:
+def unbounded_entry(shape: Shape, words: str = "") -> Entry:
     """Return the legend entry of the arrows along which an ellipsoid has no end."""
     from matplotlib.lines import Line2D
 
     line: dict[str, Any] = {"linewidth": 1.1, "marker": ">", "markersize": 4, "markevery": [1]}
     arrow = Line2D([], [], color=_OUTLINES[shape.name]["edgecolor"], **line)
-    return arrow, f"{shape.name} without bound: held without any torque"
+    return arrow, words or f"{shape.name} without bound: held without any torque"
 
 
 def _words(shape: Shape, views: Sequence[Array]) -> str:
@@ -157,4 +167,4 @@ def _words(shape: Shape, views: Sequence[Array]) -> str:
 def number(value: Any) -> str:
     """Return a number as figures show it: three digits, ∞, and 0 for what is rounding."""
     number = float(value)
-    return "∞" if math.isinf(number) else f"{number:.3g}" if abs(number) > 1e-14 else "0"
+    return "∞" if math.isinf(number) else f"{number:.3g}" if abs(number) > _ROUNDING else "0"

@@ -10,11 +10,14 @@ from __future__ import annotations
 import base64
 import io
 import re
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from kinetostat.errors import printable
 from kinetostat.report.figures.saving import rendered
 from kinetostat.report.figures.sheet import BLUE, PURPLE, SKY, VERMILION
 
@@ -51,7 +54,7 @@ _PLAIN = dict.fromkeys(("fill-opacity", "stroke-opacity", "opacity"), "1")  # wh
 _PLAIN |= {"stroke-dashoffset": "0", "stroke-linecap": "butt"}
 
 
-def embedded(figure: Figure, prefix: str) -> str:
+def embedded(figure: Figure, prefix: str, names: Mapping[str, str] = MappingProxyType({})) -> str:
     """Return a figure as an <svg class="figure"> element that can stand in an HTML page; the same every time.
 
     Text stays text, in the font of the page. Its size is that of paper in CSS's pixels, and scales with its viewBox.
@@ -60,6 +63,8 @@ def embedded(figure: Figure, prefix: str) -> str:
     Args:
         figure: one made by this package.
         prefix: what makes its ids unique in the page.
+        names: what places in the page are called, by their id: a link to one that is a mark without text says so, to
+            the pointer and to who does not see it.
     """
     # What is read here was written by Matplotlib a moment ago: no entity, and names from robot files are escaped text.
     drawn = ET.fromstring(rendered(figure, ".svg"))  # noqa: S314
@@ -76,6 +81,7 @@ def embedded(figure: Figure, prefix: str) -> str:
     for child in drawn:
         _take(child, svg, shared)
     _rename(svg, re.sub(r"[^A-Za-z0-9_-]", "-", prefix))
+    _name_links(svg, names)
     if not len(shared):
         svg.remove(shared)
     return ET.tostring(svg, encoding="unicode")
@@ -179,6 +185,16 @@ def _take(element: ET.Element, parent: ET.Element, shared: ET.Element) -> None:
     parent.append(element)
     for child in children:
         _take(child, element, shared)
+
+
+def _name_links(svg: ET.Element, names: Mapping[str, str]) -> None:
+    """Name the links that have no text, where it is known what they lead to."""
+    for link in svg.iter("a"):
+        name = names.get(link.get("href", "")[1:])
+        if name and not "".join(link.itertext()):
+            title = ET.Element("title")
+            title.text = printable(name)
+            link.insert(0, title)
 
 
 def _rename(svg: ET.Element, prefix: str) -> None:

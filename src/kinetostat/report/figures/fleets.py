@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kinetostat.conventions import Array
+from kinetostat.report.check.words import counted
 from kinetostat.report.figures.sheet import (
     BLUE,
     GREY,
     INK,
-    MARGINS,
     PURPLE,
     SKY,
     VERMILION,
-    WIDTH,
     Entry,
     empty_sheet,
     house_style,
@@ -27,15 +26,15 @@ from kinetostat.report.figures.sheet import (
     text_width,
 )
 from kinetostat.report.fleet.document import ChainRow, FleetDocument
-from kinetostat.report.fleet.wording import chains_of, labels, quantile
+from kinetostat.report.fleet.wording import chain_labels, chains_of, compared, dexterity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["scatter_figure"]
 
-_TITLE = "reach and dexterity"
-_PANEL = np.array([WIDTH - MARGINS, 4.3])  # in
+_TITLE = "how far each chain reaches, and how well it moves there"
+_PANEL = np.array([11.4, 4.6])  # in, as wide as a page on a screen
 _GROUPS: tuple[tuple[int, str, str, str], ...] = (  # joints up to, in words, mark, colour
     (3, "up to 3 joints", "v", SKY),
     (5, "4 or 5 joints", "s", VERMILION),
@@ -43,8 +42,10 @@ _GROUPS: tuple[tuple[int, str, str, str], ...] = (  # joints up to, in words, ma
     (7, "7 joints", "D", PURPLE),
     (1_000_000, "8 joints or more", "^", INK),
 )
-_SPAN: dict[str, Any] = {"color": GREY, "linewidth": 0.7, "alpha": 0.6}
-_ALL = 25  # chains that are all named; of more, those at the edges of the cloud
+_SPAN: dict[str, Any] = {"color": GREY, "linewidth": 0.7}
+_CLOUD = 25  # chains from which on lines are paler
+_FEW, _MANY = 0.6, 0.3  # how dark the lines are, of few chains and of more
+_DEEP = 100.0  # an axis by logarithm goes down to so small a part of the smallest median; lines end there, with a mark
 _NAME = 7.0  # pt
 _DECADE = 10.0  # reaches that differ more are shown by logarithm
 _CROWDED = 4.0  # and dexterities whose largest is so many times their median
@@ -78,7 +79,7 @@ def scatter_figure(document: FleetDocument) -> Figure:
     """Return the chains of a fleet by their reach and their dexterity: a mark each, which leads to its place in a page.
 
     Dexterity is the median over configurations inside limits of the smallest over the largest singular value; a line
-    reaches from 10 to 90 %. Up to 25 chains are all named where there is room, of more those at the edges.
+    reaches from 10 to 90 %. Chains are named where there is room, those at the edges of the cloud first.
     """
     dots = list(_dots(document))
     if not dots:
@@ -87,40 +88,48 @@ def scatter_figure(document: FleetDocument) -> Figure:
         "median of smallest / largest singular value over configurations inside limits; the line is 10 to 90 %",
         *_left_out(document, dots),
     ]
+    if any(dot.span[0] < _bottom(dots) for dot in dots):
+        lines[0] += "; where it goes on below, it ends in a triangle"
     with house_style():
         figure, (ax,) = sheet([(float(_PANEL[0]), float(_PANEL[1]))], _TITLE, lines, _entries(dots))
         _axes(ax, dots)
         for dot in dots:
             _, _, mark, colour = _group(dot)
-            ax.plot(dot.at[[0, 0]], dot.span, **_SPAN, zorder=2, label=f"span of {dot.chain.id}")
+            shade = _FEW if len(dots) <= _CLOUD else _MANY
+            ax.plot(dot.at[[0, 0]], dot.span, **_SPAN, alpha=shade, zorder=2, label=f"span of {dot.chain.id}")
+            if dot.span[0] < ax.get_ylim()[0]:
+                ax.plot(dot.at[0], ax.get_ylim()[0], "v", color=GREY, markersize=3.5, zorder=2, label="cut")
             look: dict[str, Any] = {"markersize": 6, "markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 3}
             look |= {"url": f"#{dot.chain.id}", "linestyle": "none", "label": dot.chain.id, "clip_on": False}
             ax.plot(*dot.at[:, None], marker=mark, color=colour, **look)
-        _write_names(ax, dots)
+        written = _write_names(ax, dots)
+        if written < len(dots):
+            told = f"{written} of {len(dots)} are named; others have no room, or stand at a limb of their robot"
+            ax.set_title(told, loc="right", fontsize=8)
         return figure
 
 
 def _dots(document: FleetDocument) -> Iterator[_Dot]:
     """Yield what can be shown."""
-    called = labels(document)
-    for robot in document.robots:
-        for chain in robot.chains:
-            found = [quantile(chain, "inverse_condition_number", share) for share in ("0.5", "0.1", "0.9")]
-            median, low, high = (np.nan if value is None else value for value in found)
-            if chain.reach is not None and np.isfinite([chain.reach, median]).all():
-                name = called[robot.id] if len(robot.chains) == 1 else f"{called[robot.id]}: {chain.name}"
-                yield _Dot(chain, name, np.array([chain.reach, median]), np.array([low, high]))
+    called = chain_labels(document)
+    for chain in compared(document):
+        found = [dexterity(chain, share) for share in ("0.5", "0.1", "0.9")]
+        median, low, high = (np.nan if value is None else value for value in found)
+        if chain.reach is not None and np.isfinite([chain.reach, median]).all():
+            yield _Dot(chain, called[chain.id], np.array([chain.reach, median]), np.array([low, high]))
 
 
 def _left_out(document: FleetDocument, dots: Sequence[_Dot]) -> list[str]:
     """Return lines that say what is not shown."""
-    chains = len(chains_of(document)) - len(dots)
-    robots = sum(robot.status != "done" for robot in document.robots)
-    said = []
-    if chains:
-        said.append(f"{chains} {'chain' if chains == 1 else 'chains'} without reach or dexterity")
-    if robots:
-        said.append(f"{robots} {'robot' if robots == 1 else 'robots'} that could not be computed")
+    chains = chains_of(document)
+    alone = sum(len(chain.joints) == 1 or chain.turns_only for chain in chains)
+    counts = (
+        (alone, "chain", "of one joint, or that only turn their tool: they have no dexterity to compare"),
+        (len(chains) - len(dots) - alone, "chain", "without reach or dexterity"),
+        (sum(robot.status != "done" for robot in document.robots), "robot", "that could not be computed"),
+        (sum(robot.status == "done" and not robot.chains for robot in document.robots), "robot", "without a chain"),
+    )
+    said = [f"{counted(count, what)} {why}" for count, what, why in counts if count]
     return [f"not shown: {', '.join(said)}"] if said else []
 
 
@@ -147,25 +156,33 @@ def _entries(dots: Sequence[_Dot]) -> tuple[list[Entry], list[Entry]]:
 def _axes(ax: Any, dots: Sequence[_Dot]) -> None:
     """Make the axes: reach by logarithm where it spans more than a decade, dexterity where most of it is near zero."""
     reach, dexterity = np.array([dot.at for dot in dots]).T
-    ax.set(xlabel="reach [m]", ylabel="smallest / largest singular value")
+    ax.set(xlabel="reach, from the first joint [m]", ylabel="smallest / largest singular value")
     ax.grid(visible=True)
     smallest, largest = float(reach.min()), float(reach.max())
-    if smallest > 0 and largest > _DECADE * smallest:
+    if largest > _DECADE * smallest:
         _by_logarithm(ax.xaxis, smallest / 1.35, largest * 1.35)
     else:
-        room = 0.12 * (largest - smallest) or 0.25 * largest or 1.0
-        ax.set_xlim(max(-0.04 * (largest or 1.0), smallest - room), largest + room)
+        room = 0.12 * (largest - smallest) or 0.25 * largest
+        ax.set_xlim(max(-0.04 * largest, smallest - room), largest + room)
     high = max(float(np.nanmax([dot.at[1], *dot.span])) for dot in dots) or 1.0
     if dexterity.min() > 0 and dexterity.max() > _CROWDED * np.median(dexterity):
-        _by_logarithm(ax.yaxis, float(dexterity.min()) / 3, 1.2 * high)
+        _by_logarithm(ax.yaxis, _bottom(dots), 1.2 * high)
     else:
         ax.set_ylim(0, 1.08 * high)
+
+
+def _bottom(dots: Sequence[_Dot]) -> float:
+    """Return where an axis of dexterities by logarithm begins: below all lines that are not endless."""
+    smallest = min(float(dot.at[1]) for dot in dots)
+    ends = [float(dot.span[0]) for dot in dots if dot.span[0] * _DEEP >= smallest > 0]
+    return min([smallest / 3, *(end / 1.3 for end in ends)])
 
 
 def _by_logarithm(axis: Any, low: float, high: float) -> None:
     """Make an axis logarithmic, with ticks at round numbers, or at powers of ten where they are many."""
     from matplotlib.ticker import FixedLocator, NullLocator
 
+    axis.set_label_text(f"{axis.get_label_text()}, by logarithm")
     if axis is axis.axes.xaxis:
         axis.axes.set(xscale="log", xlim=(low, high))
     else:
@@ -181,27 +198,39 @@ def _by_logarithm(axis: Any, low: float, high: float) -> None:
 # --- names: places are in inches in the panel
 
 
-def _write_names(ax: Any, dots: Sequence[_Dot]) -> None:
-    """Write names where they cover neither a mark nor another name, those at the edges of the cloud first."""
+def _write_names(ax: Any, dots: Sequence[_Dot]) -> int:
+    """Write names where they cover neither a mark nor another name, those at the edges first; return how many.
+
+    Limbs of a robot that stand at one place are named once.
+    """
     scaled = ax.transScale.transform(np.array([dot.at for dot in dots]))
     low, high = ax.transScale.transform(np.array([ax.get_xlim(), ax.get_ylim()]).T)
     places = (scaled - low) / (high - low) * _PANEL
     taken = [_around(place, np.array([_MARK, _MARK])) for place in places]
     middle = np.median(places, axis=0)
     far = np.linalg.norm((places - middle) / _PANEL, axis=1)
-    for i in np.argsort(-far, kind="stable")[:_ALL]:
+    written = list[int]()
+    for i in np.argsort(-far, kind="stable"):
         dot, text = dots[i], named(dots[i].label, 30)
+        if any(_robot(dots[j]) == _robot(dot) and np.all(np.abs(places[j] - places[i]) < _MARK) for j in written):
+            continue
         size = np.array([text_width(text, _NAME) + 0.03, _LINE])
         box = _free(places[i], size, taken)
         if box is None:
             continue
         taken.append(box)
+        written.append(int(i))
         at = box.mean(axis=0)
         if np.linalg.norm(np.maximum(np.abs(at - places[i]) - size / 2, 0)) > _NEAR:
             nearest = np.clip(places[i], box[0], box[1])
             ax.plot(*(np.array([places[i], nearest]) / _PANEL).T, color=GREY, linewidth=0.5, transform=ax.transAxes)
         look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": _NAME, "color": INK, "zorder": 4}
         ax.text(*(at / _PANEL), text, **look, transform=ax.transAxes, url=f"#{dot.chain.id}")
+    return len(written)
+
+
+def _robot(dot: _Dot) -> str:
+    return dot.chain.id.rpartition("-")[0]
 
 
 def _around(middle: Array, size: Array) -> Array:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kinetostat.analysis.sweeping.accumulators import ACCURACY
 from kinetostat.report.figures.sheet import (
     BLUE,
     GAP,
@@ -44,7 +45,7 @@ _ALONE = (5.2, 2.8)  # in, of a panel that is the only one
 _BESIDE, _HEIGHT = 2, 1.6  # panels side by side; in, of each
 _BETWEEN = 0.62  # in, from one row of panels to the next: tick labels and the label of the axis
 _BINS = 40
-_ROUNDING = 1e-9  # of the largest value: what columns differ by that have one value
+_TOLD_APART = 4 * ACCURACY  # of the largest value: what differs by less has one value, as far as bins tell
 _LONGEST, _SHORTEST = 40, 10  # characters of a title, and of the part of a measure in it
 MOST = 12  # panels of a figure
 _BARS: dict[str, Any] = {"facecolor": BLUE, "edgecolor": "none"}
@@ -76,7 +77,7 @@ def _varies(one: Distribution) -> bool:
     if one.minimum is None or one.maximum is None:
         return False
     low, high = one.minimum.value, one.maximum.value
-    return high - low > _ROUNDING * max(abs(low), abs(high)) and len(one.histogram().counts) > 1
+    return high - low > _TOLD_APART * max(abs(low), abs(high)) and len(one.histogram().counts) > 1
 
 
 def heading(result: Sweep, columns: Sequence[Distribution]) -> tuple[str, list[str]]:

@@ -13,6 +13,7 @@ from kinetostat.conventions import Array, Flags
 from kinetostat.report.figures.sheet import (
     BAR_ROOM,
     GAP,
+    GREY,
     INK,
     MARGINS,
     VERMILION,
@@ -24,11 +25,12 @@ from kinetostat.report.figures.sheet import (
     house_style,
     named,
     sheet,
+    text_width,
     to_scale,
 )
 from kinetostat.report.figures.silhouettes import OUTLINE, silhouette, thinned
 from kinetostat.report.figures.symbols import draw_symbols, symbol_entries
-from kinetostat.report.figures.views import in_words
+from kinetostat.report.figures.views import axis_titles
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,9 +53,18 @@ _DOTS: dict[str, Any] = {
     "markeredgewidth": 0,
     "linestyle": "none",
 }
+_NARROWEST = 1 / 3  # of its height, how wide a panel is at least
+_BETTER = 0.15  # of the largest value of a panel: where a singular curve has more, another posture is fine
+_STRAY = 9  # vertices of a curve, fewer than half of which do not change its look
+_SAME: dict[str, Any] = {"facecolor": GREY, "edgecolor": "none"}
+_TOLD = 2  # lines of joints that are held
 _SIMPLER = 0.25  # points on the page that a line may be off where it needs fewer vertices
 _CURVES: dict[str, tuple[str, dict[str, Any]]] = {
     "singular": ("singular", {"color": VERMILION, "linewidth": 1.9, "zorder": 6}),
+    "posture": (
+        "singular in one of the postures that get there",
+        {"color": VERMILION, "linewidth": 1.6, "linestyle": (0, (1.6, 1.0)), "zorder": 6},
+    ),
     "unlimited": (
         "singular, were there no limits",
         {"color": VERMILION, "linewidth": 1.0, "linestyle": (0, (3.5, 2)), "zorder": 3.5},
@@ -65,8 +76,6 @@ _JOINT: dict[str, Any] = {"marker": "o", "markersize": 3.4, "linestyle": "none"}
 _JOINT |= {"markerfacecolor": "white", "markeredgecolor": INK, "markeredgewidth": 0.8}
 _VIEWS = {"side": "from the side", "above": "from above"}
 _PLANES = np.eye(3)[[[0, 2], [0, 1], [1, 2]]]  # that a silhouette alone is drawn in: the first in which it is largest
-_ASLANT = 0.02  # part of an axis in a direction that is not worth its letter
-_MOST_POSITIONS = 12  # coordinates whose positions are told
 
 
 def reach_figure(profile: LimbProfile) -> Figure:
@@ -74,31 +83,34 @@ def reach_figure(profile: LimbProfile) -> Figure:
 
     Pale: all places that random configurations reach. Over them what two joints do while all others are held: each
     place has the colour of the largest that the smallest singular value is there, for there may be several ways to it.
-    Lines show where the limb is singular, and where one of the two joints is at a limit. A profile without sections is
-    drawn as what random configurations reach, alone.
+    Lines show where the limb is singular, dashed where another posture gets there that is not, and where one of the two
+    joints is at a limit. A section in which the smallest singular value is the same everywhere has no colours. A
+    profile without sections is drawn as what random configurations reach, alone.
     """
     views = _views(profile)
     boxes = [_extent(profile, view, section) for view, section in views]
-    panels = _panels([box[1] - box[0] for box in boxes], coloured=bool(profile.sections))
+    coloured = not all(section is None or section.same_everywhere for _, section in views)
+    panels = _panels([box[1] - box[0] for box in boxes], coloured=coloured)
     boxes = [_filling(box, panel) for box, panel in zip(boxes, panels, strict=True)]
     seen = [section for _, section in views if section is not None]
+    drawn = [_best(section, box, panel) for section, box, panel in zip(seen, boxes, panels, strict=False)]
+    curves = [_curves(section, best, box) for section, best, box in zip(seen, drawn, boxes, strict=False)]
     with house_style():
-        title = f"where {named(profile.limb.frame)} gets" + (", and how well it moves there" if seen else "")
-        legends = _legends(profile, views)
-        figure, axes = sheet(panels, title, _lines(profile, seen), legends, BAR_ROOM if seen else 0.0)
-        drawn = [_best(section, box, panel) for section, box, panel in zip(seen, boxes, panels, strict=False)]
-        colours = _colours(drawn) if drawn else None
+        legends = _legends(profile, seen, {kind for part in curves for kind, _ in part})
+        beside = BAR_ROOM if coloured else 0.0
+        figure, axes = sheet(panels, _title(profile, seen), _lines(profile, seen), legends, beside)
+        colours = _colours(seen, drawn)
         for i, (ax, (view, section), box, panel) in enumerate(zip(axes, views, boxes, panels, strict=True)):
-            to_scale(ax, box, [in_words(np.where(np.abs(part) < _ASLANT, 0.0, part)) for part in view])
+            to_scale(ax, box, axis_titles(view, view[1] if section is not None and section.view == "side" else None))
             if len(views) > 1 and section is not None:
                 ax.set_title(_VIEWS[section.view], fontsize=8.5, loc="left", pad=4)
             _draw_silhouette(ax, profile, view, section, box, panel)
             if section is not None:
-                _draw_section(ax, section, box, drawn[i], colours)
+                _draw_section(ax, curves[i], box, drawn[i], None if section.same_everywhere else colours)
                 _draw_arm(ax, profile, section)
-                if ax is axes[-1]:
+                if ax is axes[-1] and coloured:
                     colour_bar(ax, colours)
-                    figure.axes[-1].set_ylabel(f"smallest singular value {_unit(profile)}".rstrip())
+                    figure.axes[-1].set_ylabel(f"smallest singular value\n{_unit(profile)}".rstrip())
         return figure
 
 
@@ -121,7 +133,8 @@ def reach_thumbnail(profile: LimbProfile) -> tuple[Figure, float]:
         _draw_silhouette(ax, profile, view, section, box, panel)
         if section is not None:
             best = _best(section, box, panel)
-            _draw_section(ax, section, box, best, _colours([best]), thin=0.55, unlimited=False)
+            curves = [(kind, points) for kind, points in _curves(section, best, box) if kind != "unlimited"]
+            _draw_section(ax, curves, box, best, _colours([section], [best]), thin=0.55)
             cased(ax.plot(*section.arm.T, **_ARM | {"linewidth": 1.1, "zorder": 7})[0])
         return figure, float(box[1, 0] - box[0, 0])
 
@@ -153,11 +166,12 @@ def _extent(profile: LimbProfile, view: Array, section: Section | None, *, unlim
 def _panels(spans: Sequence[Array], *, coloured: bool) -> list[tuple[float, float]]:
     """Return the sizes of panels in inches: one scale for all, equally high, widths that fit a page."""
     highest = _ALONE if len(spans) == 1 else _HIGHEST
-    room = WIDTH + (1.6 if coloured else 0.0) - MARGINS - (BAR_ROOM if coloured else 0.0) - GAP * (len(spans) - 1)
+    room = WIDTH - MARGINS - (BAR_ROOM if coloured else 0.0) - GAP * (len(spans) - 1)
     room = min(room, _ALONE) if len(spans) == 1 else room
     tallest = max(float(span[1]) for span in spans)
-    scale = min(room / sum(float(span[0]) for span in spans), highest / tallest)
-    return [(max(float(span[0]) * scale, _LEAST), max(tallest * scale, _LEAST)) for span in spans]
+    widths = [max(float(span[0]), _NARROWEST * tallest) for span in spans]
+    scale = min(room / sum(widths), highest / tallest)
+    return [(max(width * scale, _LEAST), max(tallest * scale, _LEAST)) for width in widths]
 
 
 def _filling(box: Array, panel: tuple[float, float]) -> Array:
@@ -170,6 +184,14 @@ def _filling(box: Array, panel: tuple[float, float]) -> Array:
 # --- words
 
 
+def _title(profile: LimbProfile, seen: Sequence[Section]) -> str:
+    frame, pairs = named(profile.limb.frame), {section.joints for section in seen}
+    if not pairs:
+        return f"where random configurations take {frame}"
+    moving = " and ".join(map(named, pairs.pop())) if len(pairs) == 1 else "two joints at a time"
+    return f"where {moving} take {frame}"
+
+
 def _lines(profile: LimbProfile, seen: Sequence[Section]) -> list[str]:
     """Return what the figure says below its title: which joints move, where the others are held, what colours mean."""
     base = named(profile.limb.base)
@@ -178,24 +200,35 @@ def _lines(profile: LimbProfile, seen: Sequence[Section]) -> list[str]:
     moves = [" and ".join(named(joint) for joint in section.joints) for section in seen]
     told = [f"{_VIEWS[section.view]} {both}" for section, both in zip(seen, moves, strict=True)]
     told[0] += " move"
-    if len(seen) == 1 or moves[0] == moves[-1]:
-        told = [f"{moves[0]} move"]
-    others = len(seen[0].held) > 2
-    line = f"{', '.join(told)}; all others are held at the pose {named(seen[0].held_name)}" if others else told[0]
-    line += _positions(profile, seen[0]) if others else ""
-    best = "colour: how well it moves at best, by the smallest singular value (0 is singular), in the axes of "
-    return [line, best + base]
+    lines = [", ".join(told)] if len(set(moves)) > 1 else []
+    lines += _held(profile, seen)
+    if all(section.same_everywhere for section in seen):
+        return [*lines, f"in the axes of {base}"]
+    return [*lines, f"colour: the smallest singular value at best (0 is singular); in the axes of {base}"]
 
 
-def _positions(profile: LimbProfile, section: Section) -> str:
-    """Return the positions of all joints at the pose in which the others are held: (0, -1.571 rad, 0.2 m)."""
-    if profile.sweep is None or len(section.held) > _MOST_POSITIONS:
-        return ""
-    units = profile.sweep.units
-    shown = [f"{round(float(value), 3) + 0.0:.4g}" for value in section.held]
-    last = [i + 1 == len(units) or units[i + 1] != unit for i, unit in enumerate(units)]
-    parts = [f"{value} {unit}" if ends else value for value, unit, ends in zip(shown, units, last, strict=True)]
-    return f" ({', '.join(parts)})"
+def _held(profile: LimbProfile, seen: Sequence[Section]) -> list[str]:
+    """Return where joints are held: at the pose mid, joint4 -1.571 rad, joint6 0.5 rad, the others 0."""
+    swept, at = profile.sweep, f"the others are held at the pose {named(seen[0].held_name)}"
+    if len(seen[0].held) <= len(seen[0].joints):
+        return []
+    if swept is None or len(swept.names) != len(seen[0].held):
+        return [at]
+    still = [joint not in seen[0].joints or any(joint not in one.joints for one in seen) for joint in swept.names]
+    rounded = np.round(seen[0].held, 3) + 0.0
+    parts = [
+        f"{named(joint)} {value:.4g} {unit}"
+        for joint, value, unit, shown in zip(swept.names, rounded, swept.units, still, strict=True)
+        if shown and value
+    ]
+    nothing = any(shown and not value for value, shown in zip(rounded, still, strict=True))
+    zero = [("the rest 0" if parts else "all 0")] if nothing else []
+    for count in range(len(parts), -1, -1):
+        more = [f"{len(parts) - count} more"] if count < len(parts) else []
+        line = f"{at}: {', '.join([*parts[:count], *more, *zero])}"
+        if text_width(line, 8.5) <= _TOLD * (WIDTH - 1):
+            return [line]
+    return [at]
 
 
 def _unit(profile: LimbProfile) -> str:
@@ -205,23 +238,28 @@ def _unit(profile: LimbProfile) -> str:
     return {"1": "[a pure number]", "mixed": "[m and rad mixed]"}.get(measured.unit, f"[{measured.unit}]")
 
 
-def _legends(profile: LimbProfile, views: Sequence[tuple[Array, Section | None]]) -> tuple[list[Entry], ...]:
+def _legends(profile: LimbProfile, seen: Sequence[Section], kinds: set[str]) -> tuple[list[Entry], ...]:
     """Return legend entries for what is drawn, in two columns."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    seen = [section for _, section in views if section is not None]
-    kinds = {curve.kind for section in seen for curve in section.curves}
-    kinds |= {"unlimited" for section in seen if section.unlimited}
     curves: list[Entry] = [
         (Line2D([], [], **style), words) for kind, (words, style) in _CURVES.items() if kind in kinds
     ]
     pale: Entry = (Patch(**_PALE), "reached by random configurations")
     if not seen:
         return ([pale],)
+    same: list[Entry] = [
+        (
+            Patch(**_SAME),
+            f"smallest singular value {np.max(section.smallest):.2g} {_unit(profile)},\nthe same everywhere",
+        )
+        for section in seen
+        if section.same_everywhere
+    ]
     ends = symbol_entries(_ends(profile, seen[0]), [seen[0].directions])
     arm: Entry = (Line2D([], [], **_ARM), f"the limb at the pose {named(seen[0].held_name)}")
-    return [*curves, pale], [arm, *ends]
+    return [*curves, *same, pale], [arm, *ends]
 
 
 def _ends(profile: LimbProfile, section: Section) -> Skeleton:
@@ -240,13 +278,42 @@ def _best(section: Section, box: Array, panel: tuple[float, float]) -> Array:
     return best_in_cells(section.points, section.smallest, box, _cells(panel, _FINE))
 
 
-def _colours(drawn: Sequence[Array]) -> Any:
-    """Return how values become colours, the same in all panels."""
+def _colours(seen: Sequence[Section], drawn: Sequence[Array]) -> Any:
+    """Return how values become colours, the same in all panels; None where none has any."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
 
-    colours = colouring(np.concatenate([best.ravel() for best in drawn]))
+    values = [best.ravel() for section, best in zip(seen, drawn, strict=True) if not section.same_everywhere]
+    if not values:
+        return None
+    colours = colouring(np.concatenate(values))
     return ScalarMappable(colours["norm"], colormaps[colours["cmap"]].resampled(_SHADES))
+
+
+def _curves(section: Section, best: Array, box: Array) -> list[tuple[str, Array]]:
+    """Return the curves of a section with their kinds, singular ones in pieces: is another posture fine there?"""
+    every = list[tuple[str, Array]]()
+    for curve in section.curves:
+        if curve.kind != "singular":
+            every.append((curve.kind, curve.points))
+            continue
+        fine = _fine_otherwise(curve.points, best, box)
+        starts = [0, *(np.flatnonzero(np.diff(fine)) + 1).tolist()]
+        for start, end in zip(starts, [*starts[1:], len(fine)], strict=True):
+            every.append(("posture" if fine[start] else "singular", curve.points[start : end + 1]))
+    return every + [("unlimited", curve.points) for curve in section.unlimited]
+
+
+def _fine_otherwise(points: Array, best: Array, box: Array) -> Flags:
+    """Return whether at vertices of a singular curve (k, 2) a value far from zero is drawn: another posture's."""
+    from scipy.ndimage import median_filter, minimum_filter
+
+    around = minimum_filter(np.where(np.isfinite(best), best, 0.0), 5)  # at the rim there is no other posture
+    cells = np.array(best.shape[::-1])
+    at = np.clip(np.floor((points - box[0]) / (box[1] - box[0]) * cells).astype(np.int64), 0, cells - 1)
+    fine = around[at[:, 1], at[:, 0]] > _BETTER * np.nanmax(best, initial=0.0)
+    steady: Flags = median_filter(fine.astype(np.uint8), _STRAY, mode="nearest") > 0
+    return steady
 
 
 def _draw_silhouette(
@@ -266,25 +333,22 @@ def _draw_silhouette(
 
 
 def _draw_section(
-    ax: Any,
-    section: Section,
-    box: Array,
-    best: Array,
-    colours: Any,
-    *,
-    thin: float = 1.0,
-    unlimited: bool = True,
+    ax: Any, curves: Sequence[tuple[str, Array]], box: Array, best: Array, colours: Any, *, thin: float = 1.0
 ) -> None:
-    """Draw the colours of a section and its curves."""
-    # Colours with their opacity: an SVG loses an opacity that is given beside values.
-    shown = colours.to_rgba(_spread(best), alpha=_softened(np.isfinite(best)), bytes=True)
+    """Draw the colours of a section, or one for all of it, and its curves."""
+    from matplotlib.colors import to_rgb
+
+    opaque = _softened(np.isfinite(best))
+    if colours is None:
+        plain = np.round(255 * np.array(to_rgb(_SAME["facecolor"])))
+        shown = np.dstack([np.broadcast_to(plain, (*best.shape, 3)), np.round(255 * opaque)]).astype(np.uint8)
+    else:  # with their opacity: an SVG loses an opacity that is given beside values
+        shown = colours.to_rgba(_spread(best), alpha=opaque, bytes=True)
     place: dict[str, Any] = {"extent": (*box[:, 0], *box[:, 1]), "origin": "lower", "aspect": "auto", "zorder": 2}
     ax.imshow(shown, interpolation="none", **place)
-    every = [(curve.kind, curve) for curve in section.curves]
-    every += [("unlimited", curve) for curve in section.unlimited if unlimited]
-    for kind, curve in every:
+    for kind, points in curves:
         style = _CURVES[kind][1]
-        line = ax.plot(*curve.points.T, **style | {"linewidth": thin * style["linewidth"]})[0]
+        line = ax.plot(*points.T, **style | {"linewidth": thin * style["linewidth"]})[0]
         path = line.get_path()
         path.should_simplify, path.simplify_threshold = True, _SIMPLER
         if kind == "singular":

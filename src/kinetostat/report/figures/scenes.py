@@ -38,6 +38,20 @@ class Scene:
     size: float
     shapes: tuple[Shape, ...]
 
+    @property
+    def path(self) -> Array:
+        """The line that is drawn of the arm, in the observer's axes: to a joint that slides it comes along the rail.
+
+        The rail begins where it is nearest to what carries it. (k, 3), m.
+        """
+        rails = {pivot.vertex: pivot.axis for pivot in reversed(self.arm.pivots) if pivot.kind == "sliding"}
+        path = list[Array]()
+        for vertex, point in enumerate(self.arm.points):
+            if path and vertex in rails:
+                path.append(point - rails[vertex] * float(rails[vertex] @ (point - path[-1])))
+            path.append(point)
+        return np.array(path)
+
     def reach(self, view: Array) -> float:
         """Return how far an infinite axis is drawn from the point: beyond whatever is finite there, in m."""
         return max(0.3 * self.size, *(1.25 * float(np.linalg.norm(shape.shadow(view)[:, 0])) for shape in self.shapes))
@@ -48,7 +62,7 @@ class Scene:
         for shape in self.shapes:
             around += [np.linalg.norm(shape.shadow(view), axis=1), *(self.reach(view) * shape.directions(view).T)]
         middle, half = view @ self.point, np.max(np.abs(around), axis=0)
-        corners = [*(self.arm.points @ view.T), middle - half, middle + half]
+        corners = [*(self.path @ view.T), middle - half, middle + half]
         return np.array([np.min(corners, axis=0), np.max(corners, axis=0)])
 
 
@@ -66,7 +80,7 @@ def scene_of(model: Model, result: Manipulability, at: Configuration) -> Scene:
 
 def draw_scene(ax: Any, scene: Scene, view: Array, size: float = 1.0) -> None:
     """Draw one view of the scene; the size of lines and symbols is that of a large panel's."""
-    arm, middle = scene.arm.points @ view.T, view @ scene.point
+    arm, middle = scene.path @ view.T, view @ scene.point
     line: dict[str, Any] = {"color": INK, "solid_joinstyle": "round", "solid_capstyle": "round", "zorder": 3}
     ax.plot(*arm.T, linewidth=3.2 * size, **line, label="arm")
     if np.linalg.norm(scene.point - scene.arm.points[-1]) > NEGLIGIBLE * scene.size:

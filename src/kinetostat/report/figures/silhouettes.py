@@ -9,7 +9,7 @@ from kinetostat.conventions import Array, Flags
 
 __all__ = ["OUTLINE", "silhouette", "thinned"]
 
-OUTLINE = 0.5  # the height of the outline
+OUTLINE = 0.71  # the height of the outline: a square inside the filled ones, which reach that far beyond their places
 _GAPS, _SMOOTH = 3, 1.8  # squares: half of the gaps that are filled, and roundness of edges
 _THIN = 0.5  # of squares, that are left where lines are taken out: with fewer the places are a line
 

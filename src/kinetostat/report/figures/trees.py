@@ -47,9 +47,12 @@ _MOST = 24  # rows of joints of no limb, however few they are at each place
 _STEP, _LEAST_STEP, _CROWDED = 76.0, 17.0, 36.0  # pt, from a joint to the next; names take turns where it is crowded
 _NAME, _LINE = 6.5, 7.6  # pt, of a joint's name: size of letters, from line to line
 _END = 7.5  # pt, size of letters at the end of a row
-_OUT, _ROOM = 34.0, 462.0  # pt, how far left of the panel the root is; from there to the right edge
+_OUT, _ROOM = 34.0, 462.0  # pt, how far left of the panel the root is; from there to the right edge of a sheet
+_WIDER = 150.0  # pt, that a sheet is wider than others where long chains want it
+_ABOVE = 11.0  # pt, from the line of a row to what is written above it
 _ROOT = 44.0  # pt, for the name of the root, which is near the edge
 _UNUSED = 0.4  # in, below a panel, where others have the label of an axis
+_ENDINGS = ("_joint", "-joint", "_Joint", "Joint")
 _WRAPPED = 4  # lines of a joint's name
 
 
@@ -95,11 +98,11 @@ def tree_figure(robot: Robot, limbs: Sequence[Limb]) -> Figure:
     """Return the joints that move a robot's links as a tree, from the root at the left.
 
     Links that are fixed to each other are one. A joint's symbol says how it moves; a follower's is hollow. The joints
-    of each limb are in a colour, or a dash, of their own, which its name at its end has too; what several limbs share
+    of each limb are in a colour, or a dash, of their own, followers between them too; what several limbs share
     is black. Four joints or more beside each other that belong to no limb, as in a hand, are folded into one symbol.
     """
     root = _tree(robot)
-    _fold(root, limbs)
+    _fold(root, {name for limb in limbs for name in _joints_of(robot, limb)})
     _place(root)
     with house_style():
         return _drawn(robot, list(root.all()), limbs)
@@ -108,17 +111,20 @@ def tree_figure(robot: Robot, limbs: Sequence[Limb]) -> Figure:
 def _drawn(robot: Robot, nodes: Sequence[_Node], limbs: Sequence[Limb]) -> Figure:
     """Return the figure of the nodes."""
     words = {id(node): 72 * text_width(_end(robot, node, limbs), _END, "bold") + 14 for node in nodes if not node.below}
-    step = _step(nodes, words)
-    labels = {id(node): _name(node, step) for node in nodes}
-    tops, height, above = _rows(robot, nodes, labels, step, limbs)
-    over = max((step * node.depth + words[id(node)] - _ROOM for node in nodes if not node.below), default=0.0)
-    width = WIDTH - MARGINS + max(0.0, over) / 72
-    title, lines = named(robot.name, 40) or "robot", [_counted(robot, sum(len(node.joints) for node in nodes))]
-    figure, (ax,) = sheet([(width, height / 72 - _UNUSED)], title, lines, _entries(robot, nodes))
+    wanted = max((_STEP * node.depth + words[id(node)] for node in nodes if not node.below), default=0.0)
+    room = min(max(wanted, _ROOM), _ROOM + _WIDER)
+    step = _step(nodes, words, room)
+    ending = _shared_ending(nodes)
+    labels = {id(node): _name(node, step, ending) for node in nodes}
+    tops, height, above = _rows(robot, nodes, labels, step, limbs, room)
+    over = max((step * node.depth + words[id(node)] - room for node in nodes if not node.below), default=0.0)
+    width = WIDTH - MARGINS + (room - _ROOM + max(0.0, over)) / 72
+    title = _counted(robot, sum(len(node.joints) for node in nodes))
+    figure, (ax,) = sheet([(width, height / 72 - _UNUSED)], title, [], _entries(robot, nodes))
     ax.set(xlim=(0, 72 * width), ylim=(height - 72 * _UNUSED, 0))
     ax.set_axis_off()
     places = {id(node): (step * node.depth - _OUT, tops[node.row]) for node in nodes}
-    styles = _styles(limbs)
+    styles = _styles(robot, limbs)
     for node in nodes:
         _draw_branches(ax, node, places, step, styles)
         _draw_node(ax, robot, node, places[id(node)], styles)
@@ -146,14 +152,18 @@ def _tree(robot: Robot) -> _Node:
     return root
 
 
-def _fold(root: _Node, limbs: Sequence[Limb]) -> None:
-    """Fold what belongs to no limb: where it is many joints at a place, or of many rows in all."""
-    ours = {joint for limb in limbs for joint in limb.joints}
+def _joints_of(robot: Robot, limb: Limb) -> list[str]:
+    """Return the joints that move a limb's frame, followers too."""
+    return [joint.name for joint, _ in robot.path(limb.base, limb.frame) if joint.type is not JointType.FIXED]
+
+
+def _fold(root: _Node, ours: set[str]) -> None:
+    """Fold what belongs to no limb, whose joints are `ours`: many joints at a place, or of many rows in all."""
     for node in reversed(list(root.all())):  # what carries others comes after them
         free = [child for child in node.below if not any(one.name in ours for sub in child.all() for one in sub.joints)]
         joints = tuple(one for child in free for sub in child.all() for one in sub.joints)
         rows = sum(child.tips if len(child.joints) > 1 else sum(not s.below for s in child.all()) for child in free)
-        if len(joints) >= _FEWEST and (limbs or rows > _MOST):
+        if len(joints) >= _FEWEST and (ours or rows > _MOST):
             tips = sum(sub.tips for child in free for sub in child.all() if not sub.below)
             folded = _Node(joints, [], depth=node.depth + 1, tips=tips)
             node.below = [child for child in node.below if child not in free] + [folded]
@@ -184,9 +194,17 @@ def _counted(robot: Robot, moving: int) -> str:
     return f"{joints}{follow}; {len(robot.links)} links"
 
 
-def _name(node: _Node, step: float) -> list[str]:
+def _shared_ending(nodes: Sequence[_Node]) -> str:
+    """Return what says "joint" at the end of all names that are shown; nothing if one does not say so."""
+    shown = [node.joints[0].name for node in nodes if len(node.joints) == 1]
+    endings = (ending for ending in _ENDINGS if all(len(n) > len(ending) and n.endswith(ending) for n in shown))
+    return next(endings, "") if len(shown) > 1 else ""
+
+
+def _name(node: _Node, step: float, ending: str) -> list[str]:
     """Return a joint's name, or the root link's, in lines that have room below its symbol."""
-    text = node.links[0] if not node.joints else node.joints[0].name if len(node.joints) == 1 else ""
+    names = [joint.name.removesuffix(ending) for joint in node.joints] or node.links[:1]
+    text = names[0] if len(names) == 1 else ""
     if not text:
         return []
     room = (2 * step if step < _CROWDED else step) - 5 if node.joints else _ROOT
@@ -201,12 +219,13 @@ def _name(node: _Node, step: float) -> list[str]:
 
 
 def _parts(text: str) -> list[str]:
-    """Return the text cut behind what separates the words of a name."""
-    parts = [""]
+    """Return the text cut behind what separates the words of a name, and before a capital behind a small letter."""
+    parts, last = [""], ""
     for letter in text:
-        parts[-1] += letter
-        if letter in "_-./: ":
+        if last in "_-./: " or (last.islower() and letter.isupper()):
             parts.append("")
+        parts[-1] += letter
+        last = letter
     return [part for part in parts if part]
 
 
@@ -245,21 +264,21 @@ def _limbs_at(node: _Node, limbs: Sequence[Limb]) -> list[Limb]:
 
 
 def _rows(
-    robot: Robot, nodes: Sequence[_Node], labels: dict[int, list[str]], step: float, limbs: Sequence[Limb]
+    robot: Robot, nodes: Sequence[_Node], labels: dict[int, list[str]], step: float, limbs: Sequence[Limb], room: float
 ) -> tuple[list[float], float, dict[int, _Above]]:
     """Return the height of each row's middle from above, the height of all, and what is written above the lines."""
     count = max(node.row for node in nodes) + 1
-    above, below = [8.0] * count, [12.0] * count
+    above, below = [_ABOVE] * count, [12.0] * count
     for node in nodes:
-        room = (11 if node.joints else 16) + _LINE * len(labels[id(node)])  # the ground is higher than a joint
+        high = (11 if node.joints else 16) + _LINE * len(labels[id(node)])  # the ground is higher than a joint
         sides = below if _below(node, step) else above
-        sides[node.row] = max(sides[node.row], room)
+        sides[node.row] = max(sides[node.row], high)
     written, last, highest = dict[int, _Above](), [-_OUT] * count, list(above)
     for node in nodes:
         if node.below and _limbs_at(node, limbs):
             text = _end(robot, node, limbs)
             width = 72 * text_width(text, _END, "bold")
-            left = min(step * node.depth - _OUT + 4, max(_ROOM, step * node.depth) - _OUT - width - 4)
+            left = min(step * node.depth - _OUT + 4, max(room, step * node.depth) - _OUT - width - 4)
             up = above[node.row] if left >= last[node.row] else highest[node.row]
             written[id(node)] = _Above(text, left, up)
             last[node.row], highest[node.row] = left + width + 4, up + _END + 2
@@ -270,9 +289,9 @@ def _rows(
     return middles, y, written
 
 
-def _step(nodes: Sequence[_Node], words: dict[int, float]) -> float:
+def _step(nodes: Sequence[_Node], words: dict[int, float], room: float) -> float:
     """Return the distance from joint to joint that leaves room for the words at the ends, whose widths are given."""
-    steps = [(_ROOM - words[id(node)]) / node.depth for node in nodes if not node.below and node.depth]
+    steps = [(room - words[id(node)]) / node.depth for node in nodes if not node.below and node.depth]
     return max(_LEAST_STEP, min([_STEP, *steps]))
 
 
@@ -284,12 +303,12 @@ def _below(node: _Node, step: float) -> bool:
 # --- drawing
 
 
-def _styles(limbs: Sequence[Limb]) -> dict[str, tuple[str, Any]]:
+def _styles(robot: Robot, limbs: Sequence[Limb]) -> dict[str, tuple[str, Any]]:
     """Return colour and dash of each joint's branch by its name; of those that are in no limb, none."""
     found = dict[str, tuple[str, Any]]()
     for i, limb in enumerate(limbs):
         style = (_COLOURS[i % len(_COLOURS)], _DASHES[i // len(_COLOURS) % len(_DASHES)])
-        for joint in limb.joints:
+        for joint in _joints_of(robot, limb):
             found[joint] = (INK, "-") if joint in found else style
     return found
 
@@ -365,7 +384,7 @@ def _write_ends(
 
 
 def _entries(robot: Robot, nodes: Sequence[_Node]) -> list[list[Entry]]:
-    """Return the legend: the symbols that are shown, in two columns."""
+    """Return the legend: the symbols that are shown, in two columns; none where all joints turn."""
     from matplotlib.lines import Line2D
 
     shown = Counter(_symbol(node) for node in nodes if node.joints and not _hollow(robot, node))
@@ -375,5 +394,7 @@ def _entries(robot: Robot, nodes: Sequence[_Node]) -> list[list[Entry]]:
     if hollow:
         look = {"markerfacecolor": "white", "markeredgecolor": GREY}
         entries.append((Line2D([], [], **marker_of(hollow[0][0], 0.8), **look), "hollow: follows another joint"))
+    if [words for _, words in entries] == [_SYMBOLS[JointType.REVOLUTE][1]]:  # as everybody expects
+        return [[]]
     half = -(-len(entries) // 2)
     return [entries[:half], entries[half:]] if len(entries) > 1 else [entries]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from kinetostat.errors import cut
 from kinetostat.report.check.words import counted
-from kinetostat.report.fleet.document import ChainRow, FleetDocument, RobotDocument
-from kinetostat.report.fleet.wording import chains_of, distribution, measured, number_text, quantile
+from kinetostat.report.fleet.document import ChainRow, DistributionRow, FleetDocument, RobotDocument
+from kinetostat.report.fleet.wording import compared, distribution, measured, number_text, percent, quantile, unit_text
 
 __all__ = ["distributions_alt", "poses_alt", "reach_alt", "scatter_alt", "thumbnail_alt", "tree_alt"]
 
@@ -26,17 +26,21 @@ def poses_alt(chain: ChainRow) -> str:
         for pose in chain.poses
         if pose.smallest_singular_value is not None
     ]
-    told = f" Smallest singular value ({chain.singular_value_unit}): {_listed(values)}." if values else ""
-    return f"{_whose(chain)} as a stick figure at {counted(len(chain.poses), 'named pose')}, with ellipsoids.{told}"
+    unit = unit_text(chain.singular_value_unit)
+    told = f" Smallest singular value{f' ({unit})' if unit else ''}: {_listed(values)}." if values else ""
+    drawn = "" if chain.turns_only else ", with ellipsoids"
+    return f"{_whose(chain)} as a stick figure at {counted(len(chain.poses), 'named pose')}{drawn}.{told}"
 
 
 def reach_alt(chain: ChainRow) -> str:
     """Return what the maps of the reach show."""
     inside = sum(family.inside_limits for family in chain.families)
     singular = f"; {inside} singular {'family' if inside == 1 else 'families'} inside limits" if chain.families else ""
+    tool = _whose(chain) if chain.frame == chain.name else f"{cut(chain.frame)} of {_whose(chain)}"
+    moved = "" if len(chain.joints) < 3 else " by two joints, the others held"
     return (
-        f"Where {cut(chain.frame)} of {_whose(chain)} gets{_farthest(chain)}, coloured by its smallest singular value"
-        f"{_median(chain, 'minimum_singular_value')}{singular}."
+        f"Where {tool} gets{moved}, coloured by its smallest singular value; of all configurations the median is "
+        f"{_median(chain, 'minimum_singular_value')}{_farthest(chain)}{singular}."
     )
 
 
@@ -48,16 +52,16 @@ def thumbnail_alt(chain: ChainRow) -> str:
 def distributions_alt(chain: ChainRow) -> str:
     """Return what the histograms show."""
     told = [
-        f"{row.title}, median {measured(quantile(chain, row.measure, '0.5'), row.unit)}"
+        f"{row.title}, median {_shown(row, median)}"
         for row in chain.distributions
-        if quantile(chain, row.measure, "0.5") is not None
+        if (median := quantile(chain, row.measure, "0.5")) is not None
     ]
     return f"Distributions over {chain.samples:,} configurations of {_whose(chain)} inside limits: {_listed(told)}."
 
 
 def scatter_alt(document: FleetDocument) -> str:
     """Return what the scatter of all chains shows."""
-    reaches = [chain.reach for chain in chains_of(document) if chain.reach is not None]
+    reaches = [chain.reach for chain in compared(document) if chain.reach is not None]
     extent = f"; reach from {measured(min(reaches), 'm')} to {measured(max(reaches), 'm')}" if reaches else ""
     return f"The reach of {counted(len(reaches), 'chain')} against how well they move{extent}."
 
@@ -67,12 +71,17 @@ def _whose(chain: ChainRow) -> str:
 
 
 def _farthest(chain: ChainRow) -> str:
-    return "" if chain.reach is None else f", {measured(chain.reach, 'm')} from its first joint at the most"
+    return "" if chain.reach is None else f"; {measured(chain.reach, 'm')} from its first joint at the most"
 
 
 def _median(chain: ChainRow, measure: str) -> str:
     row, value = distribution(chain, measure), quantile(chain, measure, "0.5")
-    return "" if row is None or value is None else f" (median {measured(value, row.unit)})"
+    return "not known" if row is None or value is None else _shown(row, value)
+
+
+def _shown(row: DistributionRow, value: float) -> str:
+    """Return a value of a measure as the pictures have it: a use of effort in percent."""
+    return percent(value) if row.measure == "effort_use" else measured(value, row.unit)
 
 
 def _names(names: list[str]) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
+import numpy as np
+
 from kinetostat.analysis.capacity import Strongest
 from kinetostat.analysis.indices import NEAR
 from kinetostat.analysis.manipulability import Block
@@ -48,10 +50,11 @@ def chain_row(id: str, profile: LimbProfile, robot: RobotProfile, asked: float |
         rank=_rank(profile),
         length=None if sweep is None else finite(sweep.length),
         length_reference="" if sweep is None else sweep.length_reference,
+        turns_only=_turns_only(profile),
         singular_value_unit="" if smallest is None else smallest.unit,
         samples=0 if sweep is None else sweep.count,
         reach=finite(profile.reach),
-        payload_at_mid=None if profile.payload is None else _payload(profile.payload),
+        payload_at_mid=_payload(profile),
         asked_payload=_asked(profile, asked),
         distributions=() if sweep is None else tuple(map(_distribution, _wholes(sweep.measures.values()))),
         near=NEAR if sweep is None else sweep.near,
@@ -79,6 +82,11 @@ def _rank(profile: LimbProfile) -> int | None:
     if profile.families is not None:
         return profile.families.mechanism.generic_rank
     return _block(profile.poses[0]).usual_rank if profile.poses else None
+
+
+def _turns_only(profile: LimbProfile) -> bool:
+    """Return whether no joint moves the tool along at almost any configuration: its linear velocity has rank 0."""
+    return bool(profile.poses) and profile.poses[0].manipulability.blocks["translation"].usual_rank == 0
 
 
 def _asked(profile: LimbProfile, asked: float | None) -> float | None:
@@ -148,8 +156,16 @@ def _family(found: SingularFamilies, family: Family) -> FamilyRow:
     )
 
 
-def _payload(found: Strongest) -> PayloadRow:
-    return PayloadRow(mass=finite(found.value), binding_joint=found.binding_joint or "", least=finite(found.least))
+def _payload(profile: LimbProfile) -> PayloadRow | None:
+    found = profile.payload
+    if found is None or _turns_only(profile):
+        return None
+    return PayloadRow(
+        mass=finite(found.value),
+        binding_joint=found.binding_joint or "",
+        least=finite(found.least),
+        unbounded=bool(np.isposinf(found.value)),
+    )
 
 
 # --- what is not there, and why ----------------------------------------------------------------------------------
@@ -157,17 +173,23 @@ def _payload(found: Strongest) -> PayloadRow:
 
 def _left(profile: LimbProfile) -> Iterator[LeftRow]:
     """Yield what the profile leaves out, and the reasons of nulls that only the row has."""
+    from kinetostat.report.figures.distributions import varies
+
     yield from (LeftRow(what=left.what, why=left.why) for left in profile.left)
-    if profile.payload is not None:
+    if profile.payload is not None and _turns_only(profile):
+        yield LeftRow(what="payload", why="no joint moves the tool along: they only turn it")
+    elif profile.payload is not None:
         yield from _no_payload(profile.payload)
     if profile.families is not None:
         yield from _unsure(profile.families)
+    if profile.sweep is not None and not varies(profile):
+        yield LeftRow(what="histograms", why="every measure is the same at all configurations")
 
 
 def _no_payload(found: Strongest) -> Iterator[LeftRow]:
     mass = float(found.value)
     if math.isinf(mass):
-        yield LeftRow(what="payload", why="infinite: no joint torque is needed at the middle of limits")
+        yield LeftRow(what="payload", why="no limit: no joint of the chain feels it at the middle of limits")
     elif math.isnan(mass):
         whose = f" of {quote(found.binding_joint)}" if found.binding_joint else ""
         yield LeftRow(what="payload", why=f"none is possible: the effort limit{whose} is exceeded without it")
@@ -177,7 +199,8 @@ def _unsure(found: SingularFamilies) -> Iterator[LeftRow]:
     """Yield what the search for singular configurations leaves open."""
     if found.coverage.incomplete:
         names = quoted(found.coverage.incomplete)
-        yield LeftRow(what=f"all conditions on {names} alone", why="no polynomial tells them: they come from searches")
+        what = f"whether all singular positions of {names} are listed"
+        yield LeftRow(what=what, why="they come from searches, which may miss one: no equation gives them all")
     if found.unclassified:
         what = counted(found.unclassified, "singular configuration")
         yield LeftRow(what=f"the family of {what}", why="close to where families meet")

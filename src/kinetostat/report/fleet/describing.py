@@ -166,7 +166,7 @@ def _left_of_robot(profile: RobotProfile | None) -> Iterator[LeftRow]:
     """Yield what the profile leaves out, and the reasons of nulls."""
     if profile is None:
         return
-    yield from (LeftRow(what=left.what, why=left.why) for left in profile.left)
+    yield from (LeftRow(what=left.what, why=left.why, place=left.place) for left in profile.left)
     if _mass(profile.summary) is None:
         yield LeftRow(what="mass", why="no link of the file states one")
     yield from unstated_efforts(profile.model.robot)

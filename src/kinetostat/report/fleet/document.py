@@ -34,6 +34,9 @@ class LeftRow(Struct, frozen=True, kw_only=True):
 
     what: Annotated[str, _about("What is missing.")]
     why: Annotated[str, _about("The reason.")]
+    place: Annotated[
+        str, _about("File and line of the settings, where they name a chain that the robot cannot have; else empty.")
+    ] = ""
 
 
 class CertificateRow(Struct, frozen=True, kw_only=True):
@@ -185,6 +188,7 @@ class PayloadRow(Struct, frozen=True, kw_only=True):
     mass: Annotated[float | None, _about("Null where no joint feels it, or none is possible.", "kg")]
     binding_joint: Annotated[str, _about("The joint that stops it; empty where none does.")]
     least: Annotated[float | None, _about("Above 0 where joints are overloaded without it.", "kg")]
+    unbounded: Annotated[bool, _about("Whether no joint feels it there, so that none stops it.")]
 
 
 class ChainRow(Struct, frozen=True, kw_only=True):
@@ -206,6 +210,7 @@ class ChainRow(Struct, frozen=True, kw_only=True):
         _about("The characteristic length that makes metres and radians comparable; null where it is not needed.", "m"),
     ]
     length_reference: Annotated[str, _about("How that was found.")]
+    turns_only: Annotated[bool, _about("Whether its joints turn the tool but never move it along, as of some heads.")]
     singular_value_unit: Annotated[
         str, _about("Of singular values; 1 for pure numbers, mixed where metres and radians are.")
     ]

@@ -9,6 +9,7 @@ from kinetostat.analysis.profile.result import LimbProfile, RobotProfile
 from kinetostat.report.fleet import alts
 from kinetostat.report.fleet.document import ChainRow, FleetDocument, RobotDocument
 from kinetostat.report.fleet.drawing import Drawing
+from kinetostat.report.fleet.wording import chain_labels
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,15 +37,17 @@ def fleet_drawings(document: FleetDocument) -> dict[str, Drawing]:
     """Return the pictures of the fleet, by their keys."""
     if not any(robot.chains for robot in document.robots):
         return {}
+    from kinetostat.report.figures.embedding import embedded
     from kinetostat.report.figures.fleets import scatter_figure
 
     key = "fleet/scatter"
-    return {key: _drawing(key, scatter_figure(document), alts.scatter_alt(document))}
+    svg = embedded(scatter_figure(document), key.replace("/", "-"), chain_labels(document))
+    return {key: Drawing(svg, alts.scatter_alt(document))}
 
 
 def _limb_drawings(chain: ChainRow, limb: LimbProfile, robot: RobotProfile) -> Iterator[tuple[str, Drawing]]:
     """Yield the pictures of a limb with their keys."""
-    from kinetostat.report.figures.distributions import distributions_figure
+    from kinetostat.report.figures.distributions import distributions_figure, varies
     from kinetostat.report.figures.poses import poses_figure
     from kinetostat.report.figures.reach_maps import reach_figure, reach_thumbnail
 
@@ -58,7 +61,7 @@ def _limb_drawings(chain: ChainRow, limb: LimbProfile, robot: RobotProfile) -> I
         yield drawn("reach", reach_figure(limb), alts.reach_alt(chain))
         small, metres = reach_thumbnail(limb)
         yield drawn("thumbnail", small, alts.thumbnail_alt(chain), metres)
-    if limb.sweep is not None:
+    if varies(limb):
         yield drawn("distributions", distributions_figure(limb), alts.distributions_alt(chain))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import stat
 import tempfile
 from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 
 import msgspec
@@ -14,7 +15,7 @@ from kinetostat.report.check.words import encodable, inert_json
 from kinetostat.report.fleet.document import FleetDocument
 from kinetostat.report.fleet.drawing import Drawing
 from kinetostat.report.fleet.table import robots_csv
-from kinetostat.report.writing import write_whole
+from kinetostat.report.writing import open_whole
 
 __all__ = ["NAMES", "json_text", "prepared", "write_fleet"]
 
@@ -25,7 +26,7 @@ _ELSEWHERE = "choose another folder"
 def write_fleet(folder: Path, document: FleetDocument, drawings: Mapping[str, Drawing]) -> tuple[Path, ...]:
     """Write the report into a folder, which is made if it is not there; return the files.
 
-    All texts are made before the first is written; index.html is written last.
+    All texts are made, and written beside, before the first takes its place; index.html is the last that does.
 
     Args:
         folder: where; files of these four names in it are replaced.
@@ -41,8 +42,11 @@ def write_fleet(folder: Path, document: FleetDocument, drawings: Mapping[str, Dr
     prepared(folder)
     texts = json_text(document), robots_csv(document), markdown(document), page(document, drawings)
     written = tuple(folder / name for name in NAMES)
-    for path, text in zip(written, texts, strict=True):
-        write_whole(path, encodable(text).encode("utf-8"))
+    with ExitStack() as taking_place:  # those that come first do so last
+        for path, text in zip(reversed(written), reversed(texts), strict=True):
+            file = taking_place.enter_context(open_whole(path))
+            file.write(encodable(text).encode("utf-8"))
+            file.flush()  # a full disk is told here
     return written
 
 

@@ -14,6 +14,7 @@ from kinetostat.gate.baseline import read_baseline
 from kinetostat.gate.check import baseline_file, tasks_of
 from kinetostat.gate.checking import Task
 from kinetostat.lint.finding import Severity
+from kinetostat.report.check.words import counted
 from kinetostat.report.fleet.document import FleetDocument, RobotDocument
 from kinetostat.report.fleet.drawing import Drawing
 from kinetostat.report.fleet.stamp import stamp
@@ -45,8 +46,8 @@ class Fleet:
     drawings: Mapping[str, Drawing]
 
     def __repr__(self) -> str:
-        chains = sum(len(robot.chains) for robot in self.document.robots)
-        return f"<Fleet: {len(self.document.robots)} robots, {chains} chains>"
+        robots = self.document.robots
+        return f"<Fleet: {counted(len(robots), 'robot')}, {counted(sum(len(r.chains) for r in robots), 'chain')}>"
 
     def write(self, folder: str | Path) -> tuple[Path, ...]:
         """Write report.json, robots.csv, report.md and index.html to a folder, made if it is not there; return them.
@@ -84,7 +85,7 @@ def fleet(
     Args:
         paths: files, folders, globs, `example:*`; none: all in the settings' folder, and what the settings name. A
             robot that is meant twice is told once.
-        settings: what `policy.settings.read_settings` returns: chains, expectations, rules; None: the defaults.
+        settings: what `ks.read_settings` returns: chains, expectations, rules; None: the defaults.
         folder: where the settings are: their paths are relative to it.
         samples: random configurations of each chain.
         seed: of these.

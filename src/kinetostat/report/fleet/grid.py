@@ -39,6 +39,7 @@ class Cell:
         bar: the length of its bar, 1 being full; None for no bar.
         sign: "bad" or "good" where the text is a verdict.
         link: the id of the part of the page that it leads to; empty for none.
+        note: what stands below the text, smaller; empty for nothing.
     """
 
     text: str
@@ -47,6 +48,7 @@ class Cell:
     bar: float | None = None
     sign: Literal["", "good", "bad"] = ""
     link: str = ""
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,6 @@ def share(value: float | None, *, bar: bool = True) -> Cell:
     return replace(cell, bar=value) if bar and cell.text else cell
 
 
-def words(text: str, link: str = "") -> Cell:
+def words(text: str, link: str = "", *, note: str = "") -> Cell:
     """Return a text."""
-    return Cell(text, link=link)
+    return Cell(text, link=link, note=note)

@@ -10,8 +10,10 @@ from kinetostat.report.fleet.document import ChainRow, ExpectationRow, FleetDocu
 from kinetostat.report.fleet.grid import Cell
 from kinetostat.report.fleet.overview import Line, overview
 from kinetostat.report.fleet.wording import (
+    asked_text,
     certificate_text,
     chain_worst,
+    check_text,
     engines_agree,
     findings_text,
     labels,
@@ -37,7 +39,9 @@ def markdown(document: FleetDocument, *, longest: int = LONGEST) -> str:
     """
     title = f"### kinetostat report: {counted(len(document.robots), 'robot')}"
     made = f"Made {document.made} by kinetostat {document.version}, {document.samples:,} configurations of each chain"
-    head = f"{title}\n\n{escaped(totals_text(document))}. {escaped(made)}, seed {document.seed}.\n"
+    asked = "" if document.payload is None else f", payload {asked_text(document.payload)}"
+    where = "Pictures, and the findings in full, are in `index.html` beside this file."
+    head = f"{title}\n\n{escaped(totals_text(document))}. {escaped(made)}, seed {document.seed}{asked}. {where}\n"
     table = overview(document)
     called = labels(document)
     rows = [_row(line) for line in table.lines]
@@ -58,19 +62,20 @@ def markdown(document: FleetDocument, *, longest: int = LONGEST) -> str:
 
 def _row(line: Line) -> str:
     """Return a row; of a robot that failed, the reason stands where its numbers would."""
-    first, second, *others = line.cells
+    _, second, *others = line.cells
+    called = code(_cut(line.label))
     if line.robot.status != "done":
         reason = escaped(_cut(line.robot.reason)) or "no reason is known"
-        cells = [code(_cut(first.text)), f"**{status_text(line.robot)}**: {reason}", *map(_cell, others)]
+        cells = [called, f"**{status_text(line.robot)}**: {reason}", *map(_cell, others)]
     else:
         name = escaped(second.text) if line.chain is None else code(_cut(second.text))
-        cells = [code(_cut(first.text)), name, *map(_cell, others)]
+        cells = [called, name, *map(_cell, others)]
     return f"| {' | '.join(cells)} |\n"
 
 
 def _cell(cell: Cell) -> str:
     over = cell.bar is not None and cell.bar > 1
-    text = escaped(f"{cell.text} {cell.unit}".strip())
+    text = escaped(f"{cell.text} {cell.unit}".strip() + (f", {cell.note}" if cell.note else ""))
     return f"**{text}**" if text and (over or cell.sign == "bad") else text
 
 
@@ -92,8 +97,9 @@ def _details(robot: RobotDocument, label: str) -> str:
     items = [f"- {item}\n" for item in _items(robot)]
     kept = fitting(items, _LONGEST_DETAILS)
     left = left_out(len(items) - len(kept), "line")
-    told = f"findings: {findings_text(robot)}" if robot.status == "done" else status_text(robot)
-    summary = f"{code(_cut(label))}: {escaped(told)}"
+    told = escaped(f"findings: {findings_text(robot)}" if robot.status == "done" else status_text(robot))
+    failing = f"; <strong>{escaped(check_text(robot))}</strong>" if check_text(robot) else ""
+    summary = f"{code(_cut(label))}: {told}{failing}"
     return f"\n<details><summary>{summary}</summary>\n\n{''.join(kept)}{left}\n</details>\n"
 
 
@@ -114,7 +120,7 @@ def _items(robot: RobotDocument) -> Iterator[str]:
     if robot.agreement is not None and not robot.agreement.agree:
         yield f"**cross-check**: {escaped(readers_text(robot.agreement))}"
         yield from map(escaped, robot.agreement.disagreements)
-    yield from map(_chain, robot.chains)
+    yield from (_chain(chain, robot.mass) for chain in robot.chains)
     for left in robot.left:
         yield f"not computed: {code(_cut(left.what))} ({escaped(_cut(left.why))})"
 
@@ -126,6 +132,6 @@ def _expectation(row: ExpectationRow) -> str:
     return f"{head}{place}: {escaped(row.title)}: {wanted} {escaped(row.found)}"
 
 
-def _chain(chain: ChainRow) -> str:
-    facts = "; ".join(f"{escaped(title)} {escaped(text)}" for title, text in chain_worst(chain))
+def _chain(chain: ChainRow, mass: float | None) -> str:
+    facts = "; ".join(f"{escaped(title)} {escaped(text)}" for title, text in chain_worst(chain, mass))
     return f"chain {code(_cut(chain.name))}: {facts or 'nothing is known'}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -9,12 +10,19 @@ from kinetostat.analysis.indices import NEAR
 from kinetostat.report.fleet.document import ChainRow, FleetDocument, RobotDocument
 from kinetostat.report.fleet.grid import Cell, Column, Grid, count, grid, quantity, share, words
 from kinetostat.report.fleet.wording import (
+    aside,
+    asked_text,
     chains_of,
+    checked,
+    dexterity,
     distribution,
     engines_agree,
     labels,
+    near_singular,
     quantile,
     severities,
+    title,
+    unmet,
 )
 
 __all__ = ["Line", "Overview", "overview"]
@@ -25,16 +33,25 @@ _COLUMNS = (
     Column("joints", about="Joints that move the chain; of the robot, where it has no chain."),
     Column("mass", about="Of the whole robot."),
     Column("reach", about="Largest distance of the tool from the chain's first joint that was found inside limits."),
-    Column("payload", about="The largest payload at the middle of limits, by effort limits alone."),
+    Column("payload at mid", about="The largest payload at the middle of limits, by effort limits alone."),
     Column("manipulability, median", about="Yoshikawa's: the product of the singular values."),
     Column("manipulability, 10 %", about="A tenth of all configurations inside limits have less."),
-    Column("dexterity, median", about="Smallest over largest singular value: 1 is isotropic, 0 singular."),
+    Column(
+        "dexterity, median",
+        about="Smallest over largest singular value: 1 is isotropic, 0 singular. Empty for one joint, and for "
+        "joints that only turn the tool.",
+    ),
     Column("near-singular", about=f"Share of configurations inside limits whose dexterity is below {NEAR:g}."),
     Column("worst gravity use", about="Largest share of an effort limit that the weight takes, found inside limits."),
-    Column("errors / warnings / infos", about="Findings of the rules of 'kinetostat check'."),
+    Column(
+        "errors / warnings / infos",
+        about="Findings of the rules of 'kinetostat check', and how many expectations of the settings are not met.",
+    ),
     Column("engines", about="Whether Pinocchio and the screw engine agree on every number."),
 )
+_LOADED = 11  # where the column of the payload that is asked for stands
 _BIGGEST = 10_000  # findings of a severity, where they are sorted
+_LARGEST = sys.float_info.max  # what a payload without a limit is sorted as
 
 
 @dataclass(frozen=True)
@@ -43,7 +60,7 @@ class Line:
 
     Attributes:
         robot: whose.
-        label: what the robot is called.
+        label: what the robot is called, by which it is told from the others.
         chain: which; None where there is none.
         cells: one for each column.
     """
@@ -64,16 +81,30 @@ class Overview:
 
 def overview(document: FleetDocument) -> Overview:
     """Return the table of all robots and chains, in the document's order."""
-    called = labels(document)
+    called, asked = labels(document), {chain.asked_payload for chain in chains_of(document)} - {None}
     farthest = max((chain.reach or 0.0 for chain in chains_of(document)), default=0.0)
     owners = [(robot, chain) for robot in document.robots for chain in robot.chains or (None,)]
-    table: Grid = grid(_COLUMNS, [list(_cells(robot, chain, called[robot.id], farthest)) for robot, chain in owners])
+    columns, cells = list(_COLUMNS), [list(_cells(robot, chain, farthest)) for robot, chain in owners]
+    if asked:
+        columns.insert(_LOADED, _loaded(asked.pop() if len(asked) == 1 else None))
+        for (_, chain), row in zip(owners, cells, strict=True):
+            row.insert(_LOADED, share(chain.worst_loaded_use if chain else None))
+    table: Grid = grid(columns, cells)
     rows = zip(owners, table.rows, strict=True)
     return Overview(table.columns, tuple(Line(robot, called[robot.id], chain, cells) for (robot, chain), cells in rows))
 
 
-def _cells(robot: RobotDocument, chain: ChainRow | None, label: str, farthest: float) -> Iterator[Cell]:
-    yield words(label, robot.id)
+def _loaded(asked: float | None) -> Column:
+    """Return the column of the payload that is asked for; None: of different ones."""
+    return Column(
+        f"worst use with {asked_text(asked)}",
+        about="The same with the payload that is asked for, at the tool's origin: above 100 % it cannot be held "
+        "somewhere inside limits.",
+    )
+
+
+def _cells(robot: RobotDocument, chain: ChainRow | None, farthest: float) -> Iterator[Cell]:
+    yield words(title(robot), robot.id, note=aside(robot))
     done = robot.status == "done"
     if chain is None:
         yield words("no chain" if done else robot.reason)
@@ -93,20 +124,30 @@ def _measures(chain: ChainRow, farthest: float) -> Iterator[Cell]:
     yoshikawa = distribution(chain, "yoshikawa")
     unit = yoshikawa.unit if yoshikawa else ""
     yield quantity(chain.reach, "m", full=farthest)
-    yield quantity(chain.payload_at_mid.mass if chain.payload_at_mid else None, "kg")
+    yield _payload(chain)
     yield quantity(quantile(chain, "yoshikawa", "0.5"), unit)
     yield quantity(quantile(chain, "yoshikawa", "0.1"), unit)
-    yield quantity(quantile(chain, "inverse_condition_number", "0.5"), full=1)
-    yield share(chain.near_singular_share)
+    yield quantity(dexterity(chain, "0.5"), full=1)
+    yield share(near_singular(chain))
     yield share(chain.worst_gravity_use)
 
 
+def _payload(chain: ChainRow) -> Cell:
+    payload = chain.payload_at_mid
+    if payload is None or payload.mass is not None:
+        return quantity(payload.mass if payload else None, "kg")
+    return Cell("no limit", _LARGEST, "kg") if payload.unbounded else Cell("none", 0.0, "kg", sign="bad")
+
+
 def _findings(robot: RobotDocument) -> Cell:
-    rank = 0
-    found = severities(robot)
-    for number in found.values():
+    """Return how many there are, and how many expectations are not met; sorted by what is worst."""
+    if not checked(robot):
+        return words("not checked")
+    found, missed, rank = severities(robot), unmet(robot), 0
+    for number in (found["error"] + missed, found["warning"], found["info"]):
         rank = rank * _BIGGEST + min(number, _BIGGEST - 1)
-    return Cell(" / ".join(map(str, found.values())), rank, sign="bad" if found["error"] else "")
+    told, unmet_told = " / ".join(map(str, found.values())), f"{missed} unmet" if missed else ""
+    return Cell(told, rank, sign="bad" if found["error"] or missed else "", note=unmet_told)
 
 
 def _engines(robot: RobotDocument) -> Cell:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +33,9 @@ __all__ = ["page"]
 _LONGEST = 1000  # characters of a text from a robot file
 _LONGEST_NAME = 80
 _WIDEST = 250  # px, of the widest thumbnail
+_ALIKE = 0.01  # limbs whose numbers differ less are one thumbnail
+_VALUE = re.compile(r"(?<= = )-?(?:pi\b|\d[\d.]*(?:e-?\d+)?)")
+_SAME_SIZE = 5.0  # what is so many times smaller than the largest is shown at a scale of its own
 _SIZE = re.compile(r'\s(?:width|height)="[^"]*"')
 _VIEW_BOX = re.compile(r'\sviewBox="\S+ \S+ (\S+) (\S+)"')
 
@@ -51,6 +55,7 @@ def page(document: FleetDocument, drawings: Mapping[str, Drawing]) -> str:
         document=document,
         overview=overview(document),
         thumbnails=_thumbnails(document, drawings),
+        unpictured=sum(f"{chain.id}/thumbnail" not in drawings for chain in wording.chains_of(document)),
         robots=_parts(document),
         policy=_policy(style, script),
         style=_trusted(style),
@@ -72,13 +77,16 @@ def _environment() -> Environment:
     filters: dict[str, Callable[..., Any]] = {
         "name": lambda text: cut(text, _LONGEST_NAME),
         "counted": counted,
+        "breaking": _breaking,
         "facts": wording.chain_facts,
+        "mathematical": _mathematical,
         "svg": lambda drawing: _trusted(drawing.svg),
     }
     tests: dict[str, Callable[[RobotDocument], bool]] = {
         "agreeing": lambda robot: wording.engines_agree(robot) is True,
         "disagreeing": lambda robot: wording.engines_agree(robot) is False,
         "erroneous": lambda robot: wording.severities(robot)["error"] > 0,
+        "failing": wording.fails_check,
     }
     environment.filters.update(filters)
     environment.tests.update(tests)
@@ -89,6 +97,18 @@ def _environment() -> Environment:
 def _shown(value: Any) -> Any:
     """Return what a template prints: texts printable and not endless; our own markup as it is."""
     return cut(value, _LONGEST) if type(value) is str else value
+
+
+def _breaking(text: str) -> Any:
+    """Return a name as markup that breaks behind an underscore, where it has to."""
+    from markupsafe import Markup, escape
+
+    return Markup("_<wbr>").join(map(escape, _shown(text).split("_")))
+
+
+def _mathematical(text: str) -> str:
+    """Return a condition with real signs: pi and minus as one writes them, with no break behind."""
+    return _VALUE.sub(lambda value: value[0].replace("-", "\N{MINUS SIGN}").replace("pi", "π"), text)
 
 
 def _trusted(text: str) -> Any:
@@ -134,36 +154,74 @@ def _hashed(text: str) -> str:
 
 @dataclass(frozen=True)
 class _Thumbnail:
+    """A small picture of a chain; it stands for `alike`, chains of the same robot that are like it, itself too."""
+
     chain: ChainRow
-    label: str
+    alike: tuple[ChainRow, ...]
+    robot: RobotDocument
     drawing: Drawing
     svg: Any
 
 
 @dataclass(frozen=True)
 class _Thumbnails:
-    """Small pictures of chains at one scale, the farthest reaching first; a bar of `metres` is `pixels` long."""
+    """Small pictures of chains at one scale, the largest first; a bar of `metres` is `pixels` long."""
 
     shown: tuple[_Thumbnail, ...]
     metres: float
     pixels: float
 
 
-def _thumbnails(document: FleetDocument, drawings: Mapping[str, Drawing]) -> _Thumbnails | None:
-    called = wording.labels(document)
-    found = [
-        (robot, chain, drawing)
-        for robot in document.robots
-        for chain in robot.chains
+_Small = tuple[RobotDocument, tuple[ChainRow, ...], Drawing]
+
+
+def _thumbnails(document: FleetDocument, drawings: Mapping[str, Drawing]) -> list[_Thumbnails]:
+    """Return the small pictures: at one scale those of a size, so that a hand is seen beside a crane."""
+    small = {
+        chain.id: drawing
+        for chain in wording.chains_of(document)
         if (drawing := drawings.get(f"{chain.id}/thumbnail")) and drawing.metres > 0
+    }
+    if len(small) < 2:
+        return []
+    found = [
+        (robot, tuple(alike), small[alike[0].id])
+        for robot in document.robots
+        for alike in _alike([chain for chain in robot.chains if chain.id in small])
     ]
-    if len(found) < 2:
-        return None
-    scale = _WIDEST / max(drawing.metres for _, _, drawing in found)  # px/m
-    found.sort(key=lambda one: -(one[1].reach or 0.0))
+    groups = list[list[_Small]]()
+    for one in sorted(found, key=lambda one: -one[2].metres):
+        if not groups or one[2].metres * _SAME_SIZE < groups[-1][0][2].metres:
+            groups.append([])
+        groups[-1].append(one)
+    return [_at_one_scale(group) for group in groups]
+
+
+def _alike(chains: Sequence[ChainRow]) -> list[list[ChainRow]]:
+    """Return chains of a robot in groups that have as many joints and the same numbers: four legs, two arms."""
+    groups = list[list[ChainRow]]()
+    for chain in chains:
+        group = next((group for group in groups if _same(group[0], chain)), None)
+        if group is None:
+            groups.append([chain])
+        else:
+            group.append(chain)
+    return groups
+
+
+def _same(one: ChainRow, other: ChainRow) -> bool:
+    """Return whether two chains have as many joints, reach as far, and are as dexterous."""
+    pairs = ((one.reach, other.reach), (wording.dexterity(one, "0.5"), wording.dexterity(other, "0.5")))
+    return len(one.joints) == len(other.joints) and all(
+        a == b or (a is not None and b is not None and math.isclose(a, b, rel_tol=_ALIKE)) for a, b in pairs
+    )
+
+
+def _at_one_scale(found: Sequence[_Small]) -> _Thumbnails:
+    scale = _WIDEST / found[0][2].metres  # px/m
     shown = (
-        _Thumbnail(chain, called[robot.id], drawing, _sized(drawing.svg, scale * drawing.metres))
-        for robot, chain, drawing in found
+        _Thumbnail(alike[0], alike, robot, drawing, _sized(drawing.svg, scale * drawing.metres))
+        for robot, alike, drawing in found
     )
     metres = rounded(0.5 * _WIDEST / scale, (1, 2, 5))
     return _Thumbnails(tuple(shown), metres, scale * metres)

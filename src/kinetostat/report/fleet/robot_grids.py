@@ -47,7 +47,7 @@ def joints_grid(robot: RobotDocument) -> Grid:
 def _joint(joint: JointRow, loaded: bool) -> Iterator[Cell]:
     rate = "" if joint.unit == "mixed" else f"{joint.unit}/s"
     yield words(joint.name)
-    yield words(f"{joint.type}, = {joint.follows}" if joint.follows else joint.type)
+    yield words(f"{joint.type}, follows {_law(joint.follows)}" if joint.follows else joint.type)
     yield words(joint.limb)
     yield quantity(joint.lower, joint.unit)
     yield quantity(joint.upper, joint.unit)
@@ -56,6 +56,13 @@ def _joint(joint: JointRow, loaded: bool) -> Iterator[Cell]:
     yield from _use(joint.gravity, joint.effort_unit)
     if loaded:
         yield from _use(joint.loaded, joint.effort_unit)
+
+
+def _law(law: str) -> str:
+    """Return a follower's law, 'leader * -1 + 0', as one writes it."""
+    leader, _, factor = law.removesuffix(" + 0").rpartition(" * ")
+    signed = factor.replace("-", "\N{MINUS SIGN}")
+    return leader if factor == "1" else f"{leader} \N{MULTIPLICATION SIGN} {signed}"
 
 
 def _use(use: UseRow | None, unit: str) -> Iterator[Cell]:

@@ -13,7 +13,8 @@ SHIPPED = Path(__file__).with_name("kinetostat-report.schema.json")
 def schema() -> dict[str, Any]:
     """Return the schema, made from the types that the report is made of.
 
-    Other keys than these are allowed: within a version, keys are added.
+    Every key is always there, also one that has a default. Other keys than these are allowed: within a version, keys
+    are added.
     """
     import msgspec
 
@@ -23,11 +24,14 @@ def schema() -> dict[str, Any]:
     report = made["$defs"].pop("FleetDocument")
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **report,
+        **_required(report),
         "title": "kinetostat report",
-        "required": ["schema", *report["required"]],
-        "$defs": {name: made["$defs"][name] for name in sorted(made["$defs"])},
+        "$defs": {name: _required(made["$defs"][name]) for name in sorted(made["$defs"])},
     }
+
+
+def _required(table: dict[str, Any]) -> dict[str, Any]:
+    return table | {"required": list(table["properties"])}
 
 
 def text() -> str:

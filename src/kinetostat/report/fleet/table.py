@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 from kinetostat.errors import printable
 from kinetostat.report import csv
 from kinetostat.report.fleet.document import ChainRow, FleetDocument, RobotDocument
-from kinetostat.report.fleet.wording import distribution, quantile, severities
+from kinetostat.report.fleet.wording import checked, distribution, quantile, severities, unmet
 from kinetostat.report.view import Cell, Table
 
 __all__ = ["CHAIN_COLUMNS", "ROBOT_COLUMNS", "TableColumn", "robots_csv"]
@@ -69,11 +69,7 @@ def _of(whole: _Row | None, part: Callable[[_Row], Cell | bool]) -> Cell | bool:
 
 
 def _findings(severity: str) -> Callable[[RobotDocument], Cell]:
-    return lambda robot: severities(robot)[severity]
-
-
-def _unmet(robot: RobotDocument) -> Cell:
-    return sum(one.met is not True for one in robot.expectations)
+    return lambda robot: severities(robot)[severity] if checked(robot) else None
 
 
 ROBOT_COLUMNS: Sequence[TableColumn[RobotDocument]] = (
@@ -92,7 +88,7 @@ ROBOT_COLUMNS: Sequence[TableColumn[RobotDocument]] = (
     TableColumn("warnings", "", "Findings that are warnings.", _findings("warning")),
     TableColumn("infos", "", "Findings that are worth knowing.", _findings("info")),
     TableColumn("expectations", "", "Of the policy.", lambda r: len(r.expectations)),
-    TableColumn("expectations_unmet", "", "Those not met, or not judged.", _unmet),
+    TableColumn("expectations_unmet", "", "Those not met, or not judged.", unmet),
     TableColumn("readers_agree", "", "All readers of the file.", lambda r: _of(r.agreement, lambda a: a.agree)),
     TableColumn("numbers_compared", "", "Computed by both engines.", lambda r: _of(r.certificate, lambda c: c.numbers)),
     TableColumn("engines_agree", "", "On all of these.", lambda r: _of(r.certificate, lambda c: c.agree)),
@@ -146,4 +142,11 @@ CHAIN_COLUMNS: Sequence[TableColumn[ChainRow]] = (
     TableColumn("worst_loaded_joint", "", "The joint that uses so much.", lambda c: c.worst_loaded_joint),
     TableColumn("singular_families", "", "Inside limits.", lambda c: sum(f.inside_limits for f in c.families)),
     TableColumn("left_out", "", "How many things are not computed; report.json says why.", lambda c: len(c.left)),
+    TableColumn("turns_only", "", "Whether the tool is turned, but never moved along.", lambda c: c.turns_only),
+    TableColumn(
+        "payload_unbounded",
+        "",
+        "Whether no joint feels a payload at the middle of limits: it has no limit there.",
+        lambda c: _of(c.payload_at_mid, lambda p: p.unbounded),
+    ),
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
+from pathlib import PurePath
 
 from kinetostat.report.check.words import agreement_text, counted
 from kinetostat.report.fleet.document import (
@@ -20,16 +21,24 @@ from kinetostat.report.fleet.document import (
 
 __all__ = [
     "SEVERITIES",
+    "aside",
     "asked_text",
     "certificate_text",
     "chain_facts",
+    "chain_labels",
     "chain_worst",
     "chains_of",
+    "check_text",
+    "checked",
+    "compared",
+    "dexterity",
     "distribution",
     "engines_agree",
+    "fails_check",
     "findings_text",
     "labels",
     "measured",
+    "near_singular",
     "number_text",
     "payload_text",
     "percent",
@@ -37,13 +46,18 @@ __all__ = [
     "readers_text",
     "severities",
     "status_text",
+    "title",
     "totals_text",
     "unit_text",
+    "unmet",
     "worst_first",
 ]
 
 SEVERITIES = ("error", "warning", "info")
 _STATUS = {"done": "done", "unreadable": "could not be read", "crashed": "crashed"}
+_NO_REACH = 1e-9  # m
+_ROWS = {"vx vy vz wx wy wz": "where the tool is and how it is turned", "vx vy vz": "where the tool is"}
+_TRUSTED = 10  # a payload of so many times the robot's own mass is not believed
 _NOISE = 1e-12  # what rounding leaves of a zero, in SI units
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
@@ -86,6 +100,15 @@ def chains_of(document: FleetDocument) -> list[ChainRow]:
     return [chain for robot in document.robots for chain in robot.chains]
 
 
+def compared(document: FleetDocument) -> list[ChainRow]:
+    """Return the chains that reach somewhere and whose dexterity says something: a head is not compared with arms."""
+    return [
+        chain
+        for chain in chains_of(document)
+        if chain.reach is not None and chain.reach > _NO_REACH and dexterity(chain, "0.5") is not None
+    ]
+
+
 def distribution(chain: ChainRow, measure: str) -> DistributionRow | None:
     """Return how a measure is distributed; None if it was not computed."""
     return next((row for row in chain.distributions if row.measure == measure), None)
@@ -97,40 +120,67 @@ def quantile(chain: ChainRow, measure: str, share: str) -> float | None:
     return found.quantiles.get(share) if found else None
 
 
-def payload_text(payload: PayloadRow | None) -> str:
-    """Return the payload at the middle of limits, and what sets it; empty if it is not known."""
+def dexterity(chain: ChainRow, share: str) -> float | None:
+    """Return a quantile of the dexterity; None if it is not known, or says nothing (`_comparable`)."""
+    return quantile(chain, "inverse_condition_number", share) if _comparable(chain) else None
+
+
+def near_singular(chain: ChainRow) -> float | None:
+    """Return the share of configurations whose dexterity is low; None where that says nothing."""
+    return chain.near_singular_share if _comparable(chain) else None
+
+
+def _comparable(chain: ChainRow) -> bool:
+    """Return whether its dexterity says something: one joint has one singular value, which is smallest and largest.
+
+    Of joints that only turn the tool it compares turns alone, which is not what that of an arm is.
+    """
+    return len(chain.joints) > 1 and not chain.turns_only
+
+
+def payload_text(payload: PayloadRow | None, mass: float | None = None) -> str:
+    """Return the payload at the middle of limits, and what sets it; empty if it is not known.
+
+    Args:
+        payload: what is told.
+        mass: the robot's own; a payload that is many times as much is doubted.
+    """
     if payload is None:
         return ""
+    if payload.unbounded:
+        return "no limit: no joint feels it"
     by = f", set by {payload.binding_joint}" if payload.binding_joint else ""
-    if payload.mass is not None:
-        return f"{measured(payload.mass, 'kg')}{by}"
-    return f"none{by}: joints are overloaded" if payload.binding_joint else "no joint feels it"
+    if payload.mass is None:
+        return f"none{by}: joints are overloaded"
+    doubt = mass is not None and payload.mass > _TRUSTED * mass
+    return f"{measured(payload.mass, 'kg')}{by}{' (effort limits look like placeholders?)' if doubt else ''}"
 
 
-def chain_facts(chain: ChainRow) -> list[tuple[str, str]]:
-    """Return what is known of a chain as a whole: titles, and a text each."""
+def chain_facts(chain: ChainRow, mass: float | None = None) -> list[tuple[str, str]]:
+    """Return what is known of a chain of a robot of that mass, as a whole: titles, and a text each."""
+    rows = " ".join(chain.rows)
     facts = [
-        ("reach", measured(chain.reach, "m")),
-        ("dexterity, median", number_text(quantile(chain, "inverse_condition_number", "0.5"))),
-        ("rows that count", " ".join(chain.rows)),
-        ("rank almost everywhere", "" if chain.rank is None else str(chain.rank)),
+        ("reach, from its first joint", measured(chain.reach, "m")),
+        *chain_worst(chain, mass),
+        ("dexterity, median", number_text(dexterity(chain, "0.5"))),
+        ("what counts", _ROWS.get(rows, rows)),
+        ("independent motions", "" if chain.rank is None else f"{chain.rank} of {len(chain.rows)}"),
         ("characteristic length", measured(chain.length, "m")),
-        ("singular values in", unit_text(chain.singular_value_unit)),
-        ("configurations", f"{chain.samples:,}" if chain.samples else ""),
+        ("random configurations", f"{chain.samples:,}" if chain.samples else ""),
     ]
-    return [*chain_worst(chain), *((title, text) for title, text in facts if text)]
+    return [(title, text) for title, text in facts if text]
 
 
-def chain_worst(chain: ChainRow) -> list[tuple[str, str]]:
-    """Return what limits a chain: titles, and a text each."""
+def chain_worst(chain: ChainRow, mass: float | None = None) -> list[tuple[str, str]]:
+    """Return what limits a chain of a robot of that mass: titles, and a text each."""
     facts = [
-        ("payload at mid pose", payload_text(chain.payload_at_mid)),
+        ("payload at mid", payload_text(chain.payload_at_mid, mass)),
         ("worst gravity use", _use_text(chain.worst_gravity_use, chain.worst_gravity_joint)),
         (
             f"worst use with {asked_text(chain.asked_payload)}",
             _use_text(chain.worst_loaded_use, chain.worst_loaded_joint),
         ),
-        (f"near-singular (dexterity below {chain.near:.3g})", percent(chain.near_singular_share)),
+        (f"near-singular (dexterity below {chain.near:.3g})", percent(near_singular(chain))),
     ]
     return [(title, text) for title, text in facts if text]
 
@@ -159,6 +209,31 @@ def labels(document: FleetDocument) -> dict[str, str]:
     return {r.id: r.name if r.name and names[r.name] == 1 else r.path or r.id for r in document.robots}
 
 
+def title(robot: RobotDocument) -> str:
+    """Return what a robot is called where its path stands beside: its name, or its path where it has none."""
+    return robot.name or robot.path or robot.id
+
+
+def aside(robot: RobotDocument) -> str:
+    """Return a robot's path, for beside its name; empty where that says the same: `robots/two_arms.urdf`, two-arms."""
+    files = (robot.path, robot.path.removeprefix("example:"), PurePath(robot.path).stem)
+    return "" if _plain(title(robot)) in map(_plain, files) else robot.path
+
+
+def _plain(text: str) -> str:
+    return text.casefold().replace("_", "-")
+
+
+def chain_labels(document: FleetDocument) -> dict[str, str]:
+    """Return what each chain is called among all, by its id: as its robot, and by name where that has several."""
+    called = labels(document)
+    return {
+        chain.id: called[robot.id] if len(robot.chains) == 1 else f"{called[robot.id]}: {chain.name}"
+        for robot in document.robots
+        for chain in robot.chains
+    }
+
+
 def status_text(robot: RobotDocument) -> str:
     """Return how it went."""
     return _STATUS[robot.status]
@@ -177,8 +252,32 @@ def severities(robot: RobotDocument) -> Mapping[str, int]:
     return {severity: found[severity] for severity in SEVERITIES}
 
 
+def checked(robot: RobotDocument) -> bool:
+    """Return whether the rules were asked: not of a robot whose process died, or did not answer."""
+    return robot.verdict != "crashed"
+
+
+def unmet(robot: RobotDocument) -> int:
+    """Return how many expectations are not met; one that could not be judged is not."""
+    return sum(one.met is not True for one in robot.expectations)
+
+
+def fails_check(robot: RobotDocument) -> bool:
+    """Return whether a robot that was computed fails `check`: by a finding, an expectation, or the engines."""
+    return robot.status == "done" and robot.verdict != "pass"
+
+
+def check_text(robot: RobotDocument) -> str:
+    """Return whether a robot fails `check`, and how many expectations it does not meet; empty if it passes."""
+    missed = unmet(robot)
+    of = f": {missed} of {counted(len(robot.expectations), 'expectation')} not met" if missed else ""
+    return f"fails check{of}" if fails_check(robot) else ""
+
+
 def findings_text(robot: RobotDocument) -> str:
     """Return how many findings there are: `1 error, 2 warnings, 3 infos`."""
+    if not checked(robot):
+        return "not checked"
     return ", ".join(counted(n, severity) for severity, n in severities(robot).items() if n) or "none"
 
 
@@ -215,9 +314,11 @@ def totals_text(document: FleetDocument) -> str:
     robots = document.robots
     failed = Counter[str](robot.status for robot in robots if robot.status != "done")
     numbers = sum(robot.certificate.numbers for robot in robots if robot.certificate)
+    failing = sum(map(fails_check, robots))
     parts = [
         f"{counted(len(robots), 'robot')}, {counted(len(chains_of(document)), 'chain')}",
         *(f"{failed[status]} {_STATUS[status]}" for status in _STATUS if failed[status]),
+        *([f"{failing} {'fails' if failing == 1 else 'fail'} check"] if failing else []),
         f"{numbers:,} numbers computed twice",
     ]
     return "; ".join(parts)

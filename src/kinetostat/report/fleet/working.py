@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from kinetostat.errors import KinetostatError
@@ -82,19 +82,23 @@ def _readable(task: FleetTask, check: FileCheck, subject: Subject) -> RobotPage:
     """Return what is told of a robot that can be read.
 
     Raises:
-        KinetostatError: an engine refuses it; the settings name chains that it has not.
+        KinetostatError: an engine refuses it.
     """
+    from kinetostat.analysis.profile.chosen import possible
     from kinetostat.analysis.profile.limbs import limbs
     from kinetostat.analysis.profile.profiling import profile
     from kinetostat.report.fleet.drawings import robot_drawings
 
-    anatomy = limbs(subject.model, task.check.chains)
+    chains, refused = possible(subject.model.robot, task.check.chains)
+    anatomy = limbs(subject.model, chains)
+    anatomy = replace(anatomy, left=(*refused, *anatomy.left))
     found = profile(subject.model, anatomy, samples=task.samples, seed=task.seed, payload=task.payload)
     document = robot_document(task.id, check, found, status="done", reason="", payload=task.payload)
     return RobotPage(document, robot_drawings(document, found))
 
 
 def _unreadable(task: FleetTask, check: FileCheck, error: KinetostatError) -> RobotPage:
+    check = replace(check, verdict=Verdict.FAIL)  # also where no rule found what an engine refuses
     document = robot_document(task.id, check, None, status="unreadable", reason=str(error), payload=task.payload)
     return RobotPage(document, {})
 

@@ -15,6 +15,9 @@
     return null;
   };
 
+  // What a row is sorted by before that: numbers of different units are not compared.
+  const unitOf = (row, column) => cellAt(row, column)?.dataset.unit ?? "";
+
   // What a row is sorted by; null where nothing is known.
   const keyOf = (row, column, kind) => {
     const cell = cellAt(row, column);
@@ -23,25 +26,32 @@
     return kind === "words" ? cell.textContent.trim() : null;
   };
 
+  // Up, then down, then as they were asked for.
+  const asked = [...body.rows];
+  const ways = [["ascending", 1], ["descending", -1], [null, 0]];
   const sort = (column) => {
     const head = heads[column];
-    const direction = head.getAttribute("aria-sort") === "ascending" ? -1 : 1;
-    const rows = [...body.rows].map((row) => ({ row, key: keyOf(row, column, head.dataset.kind) }));
+    const [name, direction] = ways[(ways.findIndex(([way]) => way === head.getAttribute("aria-sort")) + 1) % 3];
+    const rows = (direction === 0 ? asked : [...body.rows])
+      .map((row) => ({ row, key: keyOf(row, column, head.dataset.kind), unit: unitOf(row, column) }));
     rows.sort((a, b) => {
+      if (direction === 0) return 0;
       if (a.key === null || b.key === null) return (a.key === null) - (b.key === null);
+      if (a.unit !== b.unit) return words.compare(a.unit, b.unit);
       return direction * (typeof a.key === "number" ? a.key - b.key : words.compare(a.key, b.key));
     });
     body.append(...rows.map(({ row }) => row));
     heads.forEach((other) => other.removeAttribute("aria-sort"));
-    head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
+    if (name !== null) head.setAttribute("aria-sort", name);
   };
 
-  heads.forEach((head, column) => {
+  const buttons = heads.map((head, column) => {
     const button = document.createElement("button");
     button.type = "button";
     button.append(...head.childNodes);
     button.addEventListener("click", () => sort(column));
     head.append(button);
+    return button;
   });
 
   const search = document.getElementById("search");
@@ -51,9 +61,9 @@
   const jointsColumn = 2;
 
   const wanted = (row) => {
-    const { search: text, status: how, errors, disagree } = row.dataset;
+    const { search: text, status: how, errors, fails, disagree } = row.dataset;
     const asked = { "": true, done: how === "done", failed: how === "failed",
-      errors: errors !== undefined, disagree: disagree !== undefined };
+      errors: errors !== undefined, fails: fails !== undefined, disagree: disagree !== undefined };
     const number = keyOf(row, jointsColumn, "number"); // a robot that failed has none: it stays
     return asked[status.value]
       && search.value.toLowerCase().split(/\s+/).every((word) => text.toLowerCase().includes(word))
@@ -67,7 +77,7 @@
       if (!row.hidden && row.dataset.chain !== undefined) chains += 1;
       else if (!row.hidden) others += 1;
     }
-    const more = others ? `, and ${others} ${others === 1 ? "robot" : "robots"} without` : "";
+    const more = others ? `, and ${others} ${others === 1 ? "robot" : "robots"} without a chain` : "";
     count.textContent = `${chains} of ${count.dataset.chains} chains${more}`;
   };
   [search, status, joints].forEach((control) => control.addEventListener("input", filter));
@@ -99,11 +109,18 @@
   });
   if (location.hash) reveal();
 
-  // All of it goes on paper; afterwards it is folded as before.
+  // All of it goes on paper; afterwards it is folded as before. A header with buttons would not repeat on each page.
   let folded = [];
   addEventListener("beforeprint", () => {
     folded = [...document.querySelectorAll("details:not([open])")];
     folded.forEach((one) => { one.open = true; });
+    buttons.forEach((button) => button.replaceWith(...button.childNodes));
   });
-  addEventListener("afterprint", () => folded.forEach((one) => { one.open = false; }));
+  addEventListener("afterprint", () => {
+    folded.forEach((one) => { one.open = false; });
+    buttons.forEach((button, column) => {
+      button.append(...heads[column].childNodes);
+      heads[column].append(button);
+    });
+  });
 }

@@ -344,7 +344,8 @@ def test_texts_in_pictures_are_texts(report, visit):
         robot = report.robot(path)
         tree = visit.tab.locator(f"#{robot['id']} .body > figure svg text").all_text_contents()
         arms = {name for chain in robot["chains"] for name in chain["joints"]}
-        assert arms - set(tree) == set()
+        texts = "".join(tree)  # a long name takes several lines; an ending that all share is dropped
+        assert [name for name in sorted(arms) if name.removesuffix("_joint") not in texts] == []
         for chain in robot["chains"]:
             axes = " ".join(visit.tab.locator(f"#{chain['id']} figure svg text").all_text_contents())
             assert "share [%]" in axes

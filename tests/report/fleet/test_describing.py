@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import pytest
 import kinetostat as ks
 from kinetostat.analysis.crosscheck import Certificate
 from kinetostat.gate.check import check
+from kinetostat.gate.checking import Task, check_robot
 from kinetostat.gate.result import FileCheck, Verdict
 from kinetostat.report.fleet.describing import robot_document
 from report.check_reports import AGREED, APART, BAD, HOSTILE, MET, UNJUDGED, UNMET
@@ -366,3 +368,10 @@ def test_texts_that_no_file_can_hold_are_written_out():
 def test_checked_robots_pass():
     assert described("example:ur5_robot").verdict == checked("example:ur5_robot").verdict.value
     assert described("example:ur5_robot").agreement.agree
+
+
+def test_where_a_library_keeps_a_file_is_not_told():
+    kinova = check_robot(Task("example:kinova"))
+    assert any(Path(found.file).is_absolute() for found in kinova.findings)
+    told = robot_document("r1", kinova, None, status="done", reason="", payload=None)
+    assert {row.file for row in told.findings} == {"", "kinova.srdf"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any, Literal
 
 import msgspec
@@ -58,7 +59,7 @@ def robot_document(
         status=status,
         reason=reason,
         verdict=check.verdict.value,
-        findings=tuple(map(_finding, check.findings)),
+        findings=tuple(_finding(found, check.path) for found in check.findings),
         expectations=tuple(map(_expectation, check.outcomes)),
         agreement=None if check.agreement is None else _agreed(check.agreement),
         left=(*_left_of_robot(profile), *_left_of_check(check)),
@@ -142,13 +143,14 @@ def _agreed(found: Agreement) -> Agreed:
 # --- what `check` says -------------------------------------------------------------------------------------------
 
 
-def _finding(found: Finding) -> FindingRow:
+def _finding(found: Finding, robot: str) -> FindingRow:
+    """Return a finding of a robot; where a library keeps its files, is nobody's business, and differs."""
     return FindingRow(
         code=found.code,
         name=found.name,
         severity=found.severity.value,
         message=found.message,
-        file=found.file,
+        file=Path(found.file).name if Path(found.file).is_absolute() and not Path(robot).is_absolute() else found.file,
         line=found.line,
         element=found.element,
         hint=found.hint,

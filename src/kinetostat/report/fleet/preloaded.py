@@ -16,4 +16,8 @@ import kinetostat.report.figures.reach_maps
 import kinetostat.report.figures.trees
 import kinetostat.report.fleet.drawings
 import kinetostat.report.fleet.working
-import kinetostat.screw.compiled.run  # noqa: F401
+import kinetostat.report.figures.sheet
+import kinetostat.screw.compiled.run
+
+# Fonts are listed once, here: where no folder can keep the list, every process would make its own.
+kinetostat.report.figures.sheet.text_width("a")

@@ -13,7 +13,8 @@ CONSOLE = re.findall(r"```console\n\$ (.*?)\n(.*?)```", README, re.DOTALL)
 # The last digits differ from processor to processor, and so do a few searches' ends; the rest may not.
 # How fast a machine is, nobody can promise.
 ROUNDING = re.compile(
-    r"largest difference \S+,|(?<=fold) +\d+ +|(?<=tangential) +\d+ +|configurations in .* a second|\S+ numbers computed twice, in .* s"
+    r"largest difference \S+,|(?<=fold) +\d+ +|(?<=tangential) +\d+ +|configurations in .* a second"
+    r"|\S+ numbers computed twice, in .* s"
 )
 
 

@@ -9,10 +9,11 @@ import numpy as np
 
 from kinetostat.analysis.coordinates import Coordinates, coordinates
 from kinetostat.analysis.profile.anatomy import Limb
+from kinetostat.analysis.profile.measuring import measured_at
 from kinetostat.analysis.profile.result import LimbPose
 from kinetostat.analysis.profile.section_views import views_of_limb
 from kinetostat.analysis.profile.two_joints import ends_of
-from kinetostat.analysis.sweeping.sweep import RowBlock, Sweep, sweep
+from kinetostat.analysis.sweeping.sweep import Sweep
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 
@@ -103,16 +104,6 @@ def _bent(arm: Coordinates, start: Array, rest: Array) -> Iterator[Array]:
 
 def _dexterity(model: Model, limb: Limb, swept: Sweep, q: Array) -> Array:
     """Return the smallest over the largest singular value at configurations (k, nq), as the sweep has it. (k,)."""
-    blocks = list[RowBlock]()
-    sweep(
-        model,
-        limb.frame,
-        q[0],
-        configurations=q,
-        measures=_MEASURE,
-        relative_to=limb.base,
-        length="none" if swept.length is None else swept.length,
-        sink=blocks.append,
-    )
-    values: Array = np.nan_to_num(np.concatenate([block.values for block in blocks])[:, 0])
+    _, rows = measured_at(model, limb, swept, q, [_MEASURE])
+    values: Array = np.nan_to_num(rows[:, 0])
     return values

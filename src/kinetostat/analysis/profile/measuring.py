@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import quoted
 
-__all__ = ["Measured", "measured"]
+__all__ = ["Measured", "measured", "measured_at"]
 
 _PLACE, _SMALLEST = "pose", "minimum_singular_value"
 
@@ -79,6 +80,22 @@ def measured(
     rows = np.concatenate([block.values for block in blocks])
     column = 7 + DEFAULT.index(_SMALLEST)  # after the pose
     return Measured(found, np.concatenate([block.q for block in blocks]), rows[:, :3].copy(), rows[:, column].copy())
+
+
+def measured_at(model: Model, limb: Limb, swept: Sweep, q: Array, measures: Sequence[str]) -> tuple[Sweep, Array]:
+    """Return the sweep of a limb at configurations (k, nq), and its rows (k, c), measured as `swept` is."""
+    blocks = list[RowBlock]()
+    found = sweep(
+        model,
+        limb.frame,
+        q[0],
+        configurations=q,
+        measures=measures,
+        relative_to=limb.base,
+        length="none" if swept.length is None else swept.length,
+        sink=blocks.append,
+    )
+    return found, np.concatenate([block.values for block in blocks])
 
 
 def _say_what_limits_lack(model: Model, limb: Limb, gathered: Gathered) -> None:

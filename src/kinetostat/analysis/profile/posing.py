@@ -12,9 +12,10 @@ from kinetostat.analysis.manipulability import manipulability
 from kinetostat.analysis.named_states import named_states
 from kinetostat.analysis.profile.anatomy import Limb
 from kinetostat.analysis.profile.gathering import Gathered
+from kinetostat.analysis.profile.measuring import measured_at
 from kinetostat.analysis.profile.result import LimbPose
 from kinetostat.analysis.statics import torque
-from kinetostat.analysis.sweeping.sweep import DEFAULT, RowBlock, Sweep, sweep
+from kinetostat.analysis.sweeping.sweep import DEFAULT, Sweep
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import quote, quoted
@@ -83,19 +84,9 @@ def _named(model: Model, limb: Limb, arm: Coordinates, gathered: Gathered) -> li
 
 def _values(model: Model, limb: Limb, swept: Sweep, q: Array, gathered: Gathered) -> dict[str, Array]:
     """Return the measures of a sweep at configurations (k, nq), by the sweep itself. {column: (k,)}."""
-    blocks = list[RowBlock]()
-    again = sweep(
-        model,
-        limb.frame,
-        q[0],
-        configurations=q,
-        measures=DEFAULT,
-        relative_to=limb.base,
-        length="none" if swept.length is None else swept.length,
-        sink=blocks.append,
-    )
+    again, rows = measured_at(model, limb, swept, q, DEFAULT)
     gathered.certify("manipulability at poses", *again.certificates.values())
-    return dict(zip(DEFAULT, np.concatenate([block.values for block in blocks]).T, strict=True))
+    return dict(zip(DEFAULT, rows.T, strict=True))
 
 
 def _effort_uses(model: Model, arm: Coordinates, q: Array, gathered: Gathered) -> Array:

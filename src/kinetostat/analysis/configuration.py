@@ -241,7 +241,8 @@ def _left_by_followers(robot: Robot, joint: Joint, whole: tuple[float, float]) -
     for name, law in robot.followers.items():
         if law.joint == joint.name and law.multiplier != 0:
             ends = sorted((end - law.offset) / law.multiplier for end in _stated(robot.joint_by_name[name]))
-            lower, upper = max(lower, ends[0]), min(upper, ends[1])
+            least, most = _without_huge(ends[0], ends[1])
+            lower, upper = max(lower, least), min(upper, most)
     return lower, upper
 
 
@@ -259,7 +260,10 @@ def _bounded(joint: Joint) -> tuple[float, float]:
 
 def _stated(joint: Joint) -> tuple[float, float]:
     """Return the range of a joint, infinite where it is so large that it was written for "none"."""
-    lower, upper = joint.limit.range
+    return _without_huge(*joint.limit.range)
+
+
+def _without_huge(lower: float, upper: float) -> tuple[float, float]:
     return (lower if abs(lower) < NO_LIMIT else -math.inf), (upper if abs(upper) < NO_LIMIT else math.inf)
 
 

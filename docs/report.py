@@ -48,9 +48,10 @@ A unit stands in it as `"unit"`.
 """
 MEANING = """## What the numbers mean
 
-Every number comes from Pinocchio; our screw engine, which shares no code with it, computes it again. Measures of random
-configurations come from compiled code; of those Pinocchio computes some rows, and all extremes, again. `certificate`
-tells how many numbers that were, and how far the two came apart.
+What is asked of one configuration comes from Pinocchio, and our screw engine, which shares no code with it, computes it
+again. Measures of thousands of random configurations come from our compiled code; of those Pinocchio computes some
+rows, and all extremes, again. `certificate` counts the numbers that were computed twice, and no others, and tells how
+far the two came apart.
 
 **Random configurations** are uniform inside limits, those of followers too. An angle without limits makes a whole turn;
 a slide without limits goes 1 m to either side (`left` says so: numbers depend on it). Joints that are not the chain's
@@ -63,8 +64,9 @@ the linear rows) / (sum of squares of the angular rows), of the columns of joint
 configurations inside limits (Halton's sequence). Those that are zero at almost every configuration do not count:
 s_1 >= ... >= s_r, r = `rank`.
 
-**Poses** are of the whole robot: `zero` has all joints at zero, `mid` all at the middle of their limits, a state of the
-SRDF those at zero that it does not set. Effort use at a pose is that of the robot there.
+**Poses** are of the whole robot: `zero` has all joints at zero, `mid` all at the middle of their limits (left
+out where that is zero for the chain), a state of the SRDF those at zero that it does not set. Effort use at a pose is
+that of the robot there.
 
 | number | what it is |
 |---|---|

@@ -97,18 +97,20 @@ def run(arguments: list[str]) -> int:
     """Run one command line and return its exit code."""
     arguments, debug = joined_axes(arguments), "--debug" in arguments
     try:
-        return int(build(arguments)(arguments, standalone_mode=False, prog_name="kinetostat") or 0)
+        code = int(build(arguments)(arguments, standalone_mode=False, prog_name="kinetostat") or 0)
     except typer.Exit as stop:
         return stop.exit_code
     except (typer.Abort, KeyboardInterrupt):
-        print("kinetostat: interrupted", file=sys.stderr)
-        return INTERRUPTED
+        code = INTERRUPTED
     except Exception as error:
         if debug:
             traceback.print_exc()
         if isinstance(error, _CommandLineError):
             return _usage(error)
         return _library(error)
+    if code == INTERRUPTED:  # typer, too, makes this code of Ctrl-C
+        print("kinetostat: interrupted", file=sys.stderr)
+    return code
 
 
 def _usage(error: Exception) -> int:

@@ -1,6 +1,7 @@
 """`kinetostat report`: what is written, said and answered; Ctrl-C and SIGTERM leave nothing half."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -165,6 +166,20 @@ def test_nothing_to_report_is_exit_3(cli, here):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
+def test_ctrl_c_while_its_processes_start_is_told_once(here):
+    program = "from kinetostat_cli.main import main; main()"
+    asking = subprocess.Popen(
+        [sys.executable, "-c", program, "report", "textbook:planar_2r", "-o", "out"],
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    assert wait_for(lambda: len(descendants(asking.pid)) >= 2)  # the tracker, and the processes' parent
+    os.killpg(asking.pid, signal.SIGINT)  # as a terminal does: all of them
+    _, told = asking.communicate(timeout=60)
+    assert (asking.returncode, told.decode()) == (130, "kinetostat: interrupted\n")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
 @pytest.mark.parametrize(("stop", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_when_it_is_stopped_its_processes_end_and_nothing_is_written(here, stop, code):
     program = "from kinetostat_cli.main import main; main()"
@@ -174,8 +189,9 @@ def test_when_it_is_stopped_its_processes_end_and_nothing_is_written(here, stop,
     assert started, asking.communicate(timeout=1)
     children = descendants(asking.pid)
     asking.send_signal(stop)
-    out, _ = asking.communicate(timeout=60)
+    out, told = asking.communicate(timeout=60)
     assert asking.returncode == code
     assert out == b""
+    assert told.decode().strip() == ("kinetostat: interrupted" if stop is signal.SIGINT else "")
     assert wait_for(lambda: not any(map(runs, children)))
     assert list((here / "out").iterdir()) == []

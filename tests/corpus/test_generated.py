@@ -287,7 +287,7 @@ def empty_file(path: Path) -> None:
         (folder, "a folder"),
         (fifo, "not a regular file"),
         (nothing, "no such file"),
-        (dangling_link, "no such file"),
+        (dangling_link, "which is not there"),
         (looping_link, "symbolic links"),
         (two_links_in_a_loop, "symbolic links"),
         (device_without_end, "not a regular file"),

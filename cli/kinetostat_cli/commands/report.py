@@ -70,8 +70,9 @@ def report(
     SOURCE_DATE_EPOCH sets. Limbs are found; kinetostat.toml may name others. The page's path is printed.
 
     Exit code 0 if every robot is in it; 2 if the settings name a chain that a robot does not have: its others are in
-    it; 3 if a robot cannot be read, or its process died: its row says why; 4 if the engines disagree on one. What rules
-    find, and expectations that are not met, do not count: that is for check.
+    it; 3 if a robot cannot be read, or its process died: its row says why (a path that is not there ends all before
+    it begins); 4 if the engines disagree on one. What rules find, and expectations that are not met, do not count: that
+    is for check.
 
     Example: kinetostat report textbook:planar_2r -o report
     """

@@ -42,14 +42,16 @@ def warm_up(preload: str = _PRELOADED) -> None:
     Raises:
         UsageError: it cannot be started.
     """
-    from multiprocessing import forkserver
+    from multiprocessing import forkserver, resource_tracker
 
     forkserver.set_forkserver_preload([preload])
     # It is started as `python -c`, which would look for modules in the current folder first: that of untrusted robots.
     before = os.environ.get(_SAFE_PATH)
     os.environ[_SAFE_PATH] = "1"
     try:
-        forkserver.ensure_running()
+        resource_tracker.ensure_running()  # it would be started on the way, and unblock Ctrl-C
+        with _ctrl_c_blocked():
+            forkserver.ensure_running()
     except OSError as error:  # a TMPDIR whose name is too long for a socket
         raise UsageError(f"no process can be started: {error}", remedy="set TMPDIR=/tmp") from None
     finally:
@@ -57,6 +59,16 @@ def warm_up(preload: str = _PRELOADED) -> None:
             del os.environ[_SAFE_PATH]
         else:
             os.environ[_SAFE_PATH] = before
+
+
+@contextlib.contextmanager
+def _ctrl_c_blocked() -> Iterator[None]:
+    """Block Ctrl-C for a moment: what is started meanwhile never hears of it. It is ours, who stop the others."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def check_all(

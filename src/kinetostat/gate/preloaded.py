@@ -4,7 +4,6 @@ import os
 import signal
 import sys
 
-signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's, who stops the others
 sys.excepthook = lambda *_: None  # one that cannot start, for the parent stops meanwhile, is told by the parent
 
 # Many processes with small matrices: threads of the linear algebra would only wait for each other.

@@ -78,6 +78,9 @@ def read_file(path: Path, shown: str, max_bytes: int = MAX_BYTES) -> bytes:
         with os.fdopen(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
             data = file.read(max_bytes + 1)
     except FileNotFoundError:
+        if path.is_symlink():
+            target = quote(str(path.readlink()))
+            raise SourceError(f"a link to {target}, which is not there", file=shown, remedy="mend the link") from None
         raise SourceError("there is no such file", file=shown, remedy=_nearby(path) or "check the path") from None
     except PermissionError:
         raise SourceError("the file may not be read", file=shown, remedy="check its permissions") from None

@@ -139,6 +139,11 @@ TREES = {
     "an arm with a tool before its last joint": ("base: a1 a2 a3\na3: tool0=\na3: x1", {"tool0": ("base", "tool0", 3)}),
     "a gripper whose second jaw follows": ("base: a1 a2 a3\na3: g1|\na3: g2|*g1", {"a3": ("base", "a3", 3)}),
     "a gripper alone": ("base: g1 h1*g1\nbase: g2*g1 h2*g1", {"h1": ("base", "h1", 1)}),
+    "a hand of fingers that a motor each bends": (
+        "base: thumb1 thumb2@0.03 thumb3*thumb2@0.03\n"
+        + "\n".join(f"base: f{i}a f{i}b*f{i}a@0.04 f{i}c*f{i}a@0.03" for i in range(4)),
+        {"thumb3": ("base", "thumb3", 2)} | {f"f{i}c": ("base", f"f{i}c", 1) for i in range(4)},
+    ),
     "a parallelogram": (
         "base: j1 j2@0.3 j3@0.6\nj1: p1*j2@0.2\np1: p2*j3@0.6\nj3: j4@0.8 flange=",
         {"flange": ("base", "flange", 4)},

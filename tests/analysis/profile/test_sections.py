@@ -243,7 +243,8 @@ def test_the_same_again_is_the_same_to_the_bit(real):
 
 
 def test_a_scara_is_singular_stretched_and_folded():
-    _, above = cut(ks.load("textbook:scara"), q={"joint2": 0.7})
+    above, side = cut(ks.load("textbook:scara"), q={"joint2": 0.7})
+    assert (above.view, side.view) == ("above", "side")  # it mainly moves in a level plane
     assert above.joints == ("joint1", "joint2")
     assert_allclose(np.concatenate(radii(above.curves)), 0.7, atol=1e-9)
     assert_allclose(np.unique(np.concatenate(radii(above.unlimited)).round(9)), [0.1, 0.7])

@@ -66,7 +66,7 @@ def test_what_limits_a_robot_and_what_is_left_out_of_it_are_told():
     assert "not met: reach of the arm" in text
     assert "not judged: reach of the arm" in text
     assert "The engines DISAGREE." in text
-    assert "not computed: hand (it is a gripper)" in text
+    assert "not computed, or held: hand (it is a gripper)" in text
 
 
 def test_a_robot_that_fails_check_says_so_in_its_row_and_where_it_is_folded():

@@ -6,6 +6,7 @@ import math
 import re
 from functools import cache
 
+import msgspec
 import pytest
 
 from kinetostat.errors import cut, printable
@@ -411,7 +412,8 @@ def test_the_payload_that_is_asked_for_has_a_column_and_none_has_none():
     assert "over the limit" in over.text
     assert "not known" in unknown.text
     other = made.document(made.robot(chains=(two[0], made.chain("r1-2", asked_payload=5.0))))
-    assert "worst use with the payload [%]" in columns(other)
+    heavier, _ = cells(other, "worst use with the payload [%]")
+    assert "with 3 kg" in heavier.text  # there are several
     assert not [title for title in columns(made.document(made.robot())) if "worst use" in title]
 
 
@@ -424,6 +426,15 @@ def test_a_payload_without_limit_is_sorted_as_the_largest():
     assert float(third.attributes["data-value"]) == 0
     assert first.text.strip() == "no limit"
     assert float(first.attributes["data-value"]) > 1e100 > float(second.attributes["data-value"])
+
+
+def test_a_payload_of_many_times_the_robot_is_doubted():
+    less = msgspec.structs.replace(made.chain().payload_at_mid, mass=5.0)
+    heavy, believed = made.chain(), made.chain("r1-2", payload_at_mid=less)
+    document = made.document(made.robot(mass=0.7, chains=(heavy, believed)))
+    first, second = cells(document, "payload at mid [kg]")
+    assert "doubtful" in first.text
+    assert "doubtful" not in second.text
 
 
 @pytest.mark.parametrize("changes", [{"joints": ("neck",)}, {"turns_only": True}])

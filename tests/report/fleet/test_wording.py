@@ -64,6 +64,16 @@ def test_a_chain_is_called_as_its_robot_and_by_name_where_that_has_several():
     assert called == {"r1-1": "panda", "r2-1": "two-armed: left_arm", "r2-2": "two-armed: right_arm"}
 
 
+def test_a_path_stands_beside_a_name_that_does_not_say_it_or_that_others_have():
+    told, alike = made.robot("r1", "arm", path="a/arm.urdf"), made.robot("r2", "arm", path="b/arm.urdf")
+    alone, other = made.robot("r3", "two-arms", path="a/two_arms.urdf"), made.robot("r4", "ur", path="a/left.urdf")
+    unnamed = made.robot("r5", "", path="a/nothing.urdf"), made.robot("r6", "", path="a/empty.urdf")
+    assert wording.asides(made.document(told, alone, other, *unnamed)) == {
+        "r1": "", "r3": "", "r4": "a/left.urdf", "r5": "", "r6": "",
+    }  # fmt: skip
+    assert wording.asides(made.document(told, alike)) == {"r1": "a/arm.urdf", "r2": "b/arm.urdf"}
+
+
 def test_a_payload_says_what_sets_it_or_why_there_is_none():
     def told(**fields):
         payload = made.PayloadRow(**{"mass": None, "binding_joint": "", "least": None, "unbounded": False} | fields)
@@ -72,6 +82,7 @@ def test_a_payload_says_what_sets_it_or_why_there_is_none():
     assert told(mass=7.314, binding_joint="elbow") == "7.31 kg, set by elbow"
     assert told(binding_joint="elbow", least=1.0) == "none, set by elbow: joints are overloaded"
     assert told(unbounded=True) == "no limit: no joint feels it"
-    assert told(mass=1700.0, binding_joint="hip").endswith("set by hip (effort limits look like placeholders?)")
+    doubted = "set by hip (placeholder limits, or a load in line with the joints?)"
+    assert told(mass=1700.0, binding_joint="hip").endswith(doubted)
     assert "placeholders" not in told(mass=19.9)
     assert wording.payload_text(None) == ""

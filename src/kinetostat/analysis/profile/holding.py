@@ -55,9 +55,10 @@ def held_pose(model: Model, limb: Limb, swept: Sweep, poses: Sequence[LimbPose])
 
 
 def _seen_flat(model: Model, limb: Limb, arm: Coordinates, q: Array) -> bool:
-    """Return whether two joints show the limb flat where all others are held."""
+    """Return whether two joints show the limb flat from the side, or in its only plane, where all others are held."""
     up = model.engine.placement(q, model.robot.root, limb.base)[:3, 2]
-    return any(view.flat for view in views_of_limb(arm, q, up, ends_of(arm)))
+    views = views_of_limb(arm, q, up, ends_of(arm))
+    return any(view.flat and (view.view == "side" or len(views) == 1) for view in views)
 
 
 def _will_do(model: Model, limb: Limb, swept: Sweep, arm: Coordinates, start: Array) -> Iterator[Array]:

@@ -69,7 +69,8 @@ def views_of_limb(joints: Coordinates, rest: Array, up: Array, ends: tuple[Array
         ends: lower and upper end of each coordinate, (n,), (n,).
 
     Returns:
-        At most one from the side and one from above; none where no two joints sweep an area.
+        At most one from the side and one from above; none where no two joints sweep an area. The one in whose plane
+        the arm mainly moves comes first: the side, but for an arm like a SCARA, which is flat from above alone.
     """
     swept = _swept(joints, rest, ends)
     if swept is None or not swept.sizes.max() > _NOTHING * joints.model.robot.reach**2:
@@ -90,12 +91,14 @@ def views_of_limb(joints: Coordinates, rest: Array, up: Array, ends: tuple[Array
     same = np.array([second == swept.pairs[side][1] for _, second in swept.pairs])
     covered = _covered(swept, [_level(up)] * len(swept.pairs))
     above = _chosen(covered, swept.elbows | same, upright & same & swept.elbows, upright & same, upright, same)
+    shadow = swept.shadow(above, up)
+    level = bool(shadow > _FLAT * swept.sizes[above] and swept.elbows[above])
     views = (
-        View("side", uprights[side], swept.pairs[side], bool(flat[side] & swept.elbows[side])),
-        View("above", _level(up), swept.pairs[above], False),
+        (View("side", uprights[side], swept.pairs[side], bool(flat[side] & swept.elbows[side])), shadows[side]),
+        (View("above", _level(up), swept.pairs[above], level), shadow),
     )
-    shown = (shadows[side], swept.shadow(above, up))
-    return tuple(view for view, area in zip(views, shown, strict=True) if area > _THIN * swept.sizes.max())
+    shown = [view for view, area in views if area > _THIN * swept.sizes.max()]
+    return tuple(sorted(shown, key=lambda view: not view.flat))
 
 
 # --- areas

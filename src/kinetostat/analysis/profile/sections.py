@@ -58,9 +58,9 @@ def sections(
         families: the singular families of the limb, if they are known.
 
     Returns:
-        At most one from the side and one from above; one alone of an arm that moves in a plane, which is drawn in that
-        plane, and of one that moves equally well all over the section from above; none where no two joints move the
-        tool over an area.
+        At most one from the side and one from above, the one in whose plane the arm mainly moves first. One alone of an
+        arm that moves in a plane, and of one that moves equally well all over the section from above; none where no two
+        joints move the tool over an area.
 
     Raises:
         UsageError: the limb has no joint, or a floating one; its joints never move the tool along the rows.
@@ -78,7 +78,7 @@ def sections(
     arm, held = skeleton(model, limb.frame, rest, limb.base).points, rest[list(joints.indices)]
     both = [(view, TwoJoints(joints, kernel, view.pair, held, ends)) for view in views]
     found = [_section(view, two, name, arm, families) for view, two in both]
-    return tuple(one for one in found if one is found[0] or not one.same_everywhere)
+    return tuple(one for one in found if one.view == "side" or len(found) == 1 or not one.same_everywhere)
 
 
 def _rank(model: Model, limb: Limb, task: Task, families: SingularFamilies | None) -> int:

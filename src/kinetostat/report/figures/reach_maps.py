@@ -115,13 +115,15 @@ def reach_figure(profile: LimbProfile) -> Figure:
 
 
 def reach_thumbnail(profile: LimbProfile) -> tuple[Figure, float]:
-    """Return a small square picture, without text, of the section from the side, else from above; and its width in m.
+    """Return a small square picture, without text, of the first section; and its width in m.
+
+    It is the one from the side, but for an arm that mainly moves in a level plane, like a SCARA.
 
     A profile without sections is drawn as what random configurations reach, alone.
     """
     from matplotlib.figure import Figure
 
-    view, section = _views(profile)[0]
+    view, section = (profile.sections[0].directions, profile.sections[0]) if profile.sections else _views(profile)[0]
     box = _extent(profile, view, section, unlimited=False)
     panel = (_THUMBNAIL, _THUMBNAIL)
     box = _filling(box, panel)

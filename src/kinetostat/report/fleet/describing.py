@@ -173,7 +173,9 @@ def _left_of_robot(profile: RobotProfile | None) -> Iterator[LeftRow]:
         yield LeftRow(what="mass", why="no link of the file states one")
     yield from unstated_efforts(profile.model.robot)
     if profile.worst is not None:
-        yield from (LeftRow(what="worst gravity torques", why=warning) for warning in profile.worst.warnings)
+        yield from (
+            LeftRow(what="motion in the worst gravity torques", why=warning) for warning in profile.worst.warnings
+        )
 
 
 def _left_of_check(check: FileCheck) -> Iterator[LeftRow]:

@@ -122,7 +122,7 @@ def _items(robot: RobotDocument) -> Iterator[str]:
         yield from map(escaped, robot.agreement.disagreements)
     yield from (_chain(chain, robot.mass) for chain in robot.chains)
     for left in robot.left:
-        yield f"not computed: {code(_cut(left.what))} ({escaped(_cut(left.why))})"
+        yield f"not computed, or held: {code(_cut(left.what))} ({escaped(_cut(left.why))})"
 
 
 def _expectation(row: ExpectationRow) -> str:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from kinetostat.analysis.indices import NEAR
 from kinetostat.report.fleet.document import ChainRow, FleetDocument, RobotDocument
 from kinetostat.report.fleet.grid import Cell, Column, Grid, count, grid, quantity, share, words
 from kinetostat.report.fleet.wording import (
-    aside,
+    asides,
     asked_text,
     chains_of,
     checked,
     dexterity,
     distribution,
     engines_agree,
+    is_doubted,
     labels,
     near_singular,
     quantile,
@@ -33,7 +34,11 @@ _COLUMNS = (
     Column("joints", about="Joints that move the chain; of the robot, where it has no chain."),
     Column("mass", about="Of the whole robot."),
     Column("reach", about="Largest distance of the tool from the chain's first joint that was found inside limits."),
-    Column("payload at mid", about="The largest payload at the middle of limits, by effort limits alone."),
+    Column(
+        "payload at mid",
+        about="The largest payload at the middle of limits, by effort limits alone. Doubtful where it is more than ten "
+        "times the robot's mass: the limits are placeholders, or the load hangs in line with the joints there.",
+    ),
     Column("manipulability, median", about="Yoshikawa's: the product of the singular values."),
     Column("manipulability, 10 %", about="A tenth of all configurations inside limits have less."),
     Column(
@@ -81,14 +86,15 @@ class Overview:
 
 def overview(document: FleetDocument) -> Overview:
     """Return the table of all robots and chains, in the document's order."""
-    called, asked = labels(document), {chain.asked_payload for chain in chains_of(document)} - {None}
+    called, paths = labels(document), asides(document)
+    asked = {chain.asked_payload for chain in chains_of(document)} - {None}
     farthest = max((chain.reach or 0.0 for chain in chains_of(document)), default=0.0)
     owners = [(robot, chain) for robot in document.robots for chain in robot.chains or (None,)]
-    columns, cells = list(_COLUMNS), [list(_cells(robot, chain, farthest)) for robot, chain in owners]
+    columns, cells = list(_COLUMNS), [list(_cells(robot, paths[robot.id], chain, farthest)) for robot, chain in owners]
     if asked:
-        columns.insert(_LOADED, _loaded(asked.pop() if len(asked) == 1 else None))
+        columns.insert(_LOADED, _loaded(next(iter(asked)) if len(asked) == 1 else None))
         for (_, chain), row in zip(owners, cells, strict=True):
-            row.insert(_LOADED, share(chain.worst_loaded_use if chain else None))
+            row.insert(_LOADED, _loaded_use(chain, several=len(asked) > 1))
     table: Grid = grid(columns, cells)
     rows = zip(owners, table.rows, strict=True)
     return Overview(table.columns, tuple(Line(robot, called[robot.id], chain, cells) for (robot, chain), cells in rows))
@@ -103,8 +109,15 @@ def _loaded(asked: float | None) -> Column:
     )
 
 
-def _cells(robot: RobotDocument, chain: ChainRow | None, farthest: float) -> Iterator[Cell]:
-    yield words(title(robot), robot.id, note=aside(robot))
+def _loaded_use(chain: ChainRow | None, *, several: bool) -> Cell:
+    """Return the use with the payload that is asked for, and which that is, where it is not the same in all rows."""
+    if chain is None or chain.worst_loaded_use is None:
+        return share(None)
+    return replace(share(chain.worst_loaded_use), note=f"with {asked_text(chain.asked_payload)}" if several else "")
+
+
+def _cells(robot: RobotDocument, path: str, chain: ChainRow | None, farthest: float) -> Iterator[Cell]:
+    yield words(title(robot), robot.id, note=path)
     done = robot.status == "done"
     if chain is None:
         yield words("no chain" if done else robot.reason)
@@ -115,16 +128,16 @@ def _cells(robot: RobotDocument, chain: ChainRow | None, farthest: float) -> Ite
         yield words(chain.name, chain.id)
         yield count(len(chain.joints))
         yield quantity(robot.mass, "kg")
-        yield from _measures(chain, farthest)
+        yield from _measures(chain, robot.mass, farthest)
     yield _findings(robot)
     yield _engines(robot)
 
 
-def _measures(chain: ChainRow, farthest: float) -> Iterator[Cell]:
+def _measures(chain: ChainRow, mass: float | None, farthest: float) -> Iterator[Cell]:
     yoshikawa = distribution(chain, "yoshikawa")
     unit = yoshikawa.unit if yoshikawa else ""
     yield quantity(chain.reach, "m", full=farthest)
-    yield _payload(chain)
+    yield _payload(chain, mass)
     yield quantity(quantile(chain, "yoshikawa", "0.5"), unit)
     yield quantity(quantile(chain, "yoshikawa", "0.1"), unit)
     yield quantity(dexterity(chain, "0.5"), full=1)
@@ -132,10 +145,12 @@ def _measures(chain: ChainRow, farthest: float) -> Iterator[Cell]:
     yield share(chain.worst_gravity_use)
 
 
-def _payload(chain: ChainRow) -> Cell:
+def _payload(chain: ChainRow, mass: float | None) -> Cell:
     payload = chain.payload_at_mid
-    if payload is None or payload.mass is not None:
-        return quantity(payload.mass if payload else None, "kg")
+    if payload is None:
+        return quantity(None)
+    if payload.mass is not None:
+        return replace(quantity(payload.mass, "kg"), note="doubtful" if is_doubted(payload, mass) else "")
     return Cell("no limit", _LARGEST, "kg") if payload.unbounded else Cell("none", 0.0, "kg", sign="bad")
 
 

@@ -54,6 +54,7 @@ def page(document: FleetDocument, drawings: Mapping[str, Drawing]) -> str:
     return environment.get_template("page.html").render(
         document=document,
         overview=overview(document),
+        asides=wording.asides(document),
         thumbnails=_thumbnails(document, drawings),
         unpictured=sum(f"{chain.id}/thumbnail" not in drawings for chain in wording.chains_of(document)),
         robots=_parts(document),
@@ -194,7 +195,7 @@ def _thumbnails(document: FleetDocument, drawings: Mapping[str, Drawing]) -> lis
         if not groups or one[2].metres * _SAME_SIZE < groups[-1][0][2].metres:
             groups.append([])
         groups[-1].append(one)
-    return [_at_one_scale(group) for group in groups]
+    return [_at_one_scale(sorted(group, key=lambda one: -(one[1][0].reach or 0.0))) for group in groups]
 
 
 def _alike(chains: Sequence[ChainRow]) -> list[list[ChainRow]]:
@@ -218,7 +219,7 @@ def _same(one: ChainRow, other: ChainRow) -> bool:
 
 
 def _at_one_scale(found: Sequence[_Small]) -> _Thumbnails:
-    scale = _WIDEST / found[0][2].metres  # px/m
+    scale = _WIDEST / max(drawing.metres for _, _, drawing in found)  # px/m
     shown = (
         _Thumbnail(alike[0], alike, robot, drawing, _sized(drawing.svg, scale * drawing.metres))
         for robot, alike, drawing in found

@@ -21,7 +21,7 @@ from kinetostat.report.fleet.document import (
 
 __all__ = [
     "SEVERITIES",
-    "aside",
+    "asides",
     "asked_text",
     "certificate_text",
     "chain_facts",
@@ -152,8 +152,13 @@ def payload_text(payload: PayloadRow | None, mass: float | None = None) -> str:
     by = f", set by {payload.binding_joint}" if payload.binding_joint else ""
     if payload.mass is None:
         return f"none{by}: joints are overloaded"
-    doubt = mass is not None and payload.mass > _TRUSTED * mass
-    return f"{measured(payload.mass, 'kg')}{by}{' (effort limits look like placeholders?)' if doubt else ''}"
+    doubt = " (placeholder limits, or a load in line with the joints?)" if is_doubted(payload, mass) else ""
+    return f"{measured(payload.mass, 'kg')}{by}{doubt}"
+
+
+def is_doubted(payload: PayloadRow, mass: float | None) -> bool:
+    """Return whether a payload is many times as much as the robot of that mass."""
+    return payload.mass is not None and mass is not None and payload.mass > _TRUSTED * mass
 
 
 def chain_facts(chain: ChainRow, mass: float | None = None) -> list[tuple[str, str]]:
@@ -214,10 +219,18 @@ def title(robot: RobotDocument) -> str:
     return robot.name or robot.path or robot.id
 
 
-def aside(robot: RobotDocument) -> str:
-    """Return a robot's path, for beside its name; empty where that says the same: `robots/two_arms.urdf`, two-arms."""
+def asides(document: FleetDocument) -> dict[str, str]:
+    """Return each robot's path, by its id, for beside its name: empty where the name, its own alone, says the same.
+
+    As `robots/two_arms.urdf` of two-arms.
+    """
+    titles = Counter(map(title, document.robots))
+    return {r.id: "" if titles[title(r)] == 1 and _says_its_path(r) else r.path for r in document.robots}
+
+
+def _says_its_path(robot: RobotDocument) -> bool:
     files = (robot.path, robot.path.removeprefix("example:"), PurePath(robot.path).stem)
-    return "" if _plain(title(robot)) in map(_plain, files) else robot.path
+    return _plain(title(robot)) in map(_plain, files)
 
 
 def _plain(text: str) -> str:

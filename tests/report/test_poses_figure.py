@@ -9,6 +9,7 @@ import pytest
 
 import kinetostat as ks
 from figure_texts import cut_texts, texts
+from kinetostat.analysis.crosscheck import Certificate
 from kinetostat.analysis.level_axes import level_axis
 from kinetostat.analysis.profile.section import Section
 from kinetostat.analysis.skeleton import skeleton
@@ -297,7 +298,8 @@ def test_the_plane_is_that_of_the_map_of_the_reach():
     turn = np.radians(30)
     across = np.array([[np.cos(turn), np.sin(turn), 0], [0, 0, 1]])
     empty = np.zeros((1, 1))
-    section = Section("side", across, ("a", "b"), empty[0], "mid", np.zeros((1, 1, 2)), empty, (), (), np.zeros((1, 2)))
+    proof, arm = Certificate(("pinocchio", "screw"), 0.0, 1e-12), np.zeros((1, 2))
+    section = Section("side", across, ("a", "b"), empty[0], "mid", np.zeros((1, 1, 2)), empty, (), (), arm, proof)
     assert view_of(model, replace(profile, sections=(section,))) == ("across (30° from x)", "z")
 
 

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 import kinetostat as ks
+from kinetostat.analysis.crosscheck import Certificate
 from kinetostat.analysis.profile.anatomy import Limb
 from kinetostat.analysis.profile.cells import best_in_cells
 from kinetostat.analysis.profile.result import LimbProfile
@@ -224,7 +225,8 @@ def test_a_singular_curve_is_dashed_where_another_posture_is_fine():
     for name, places, values in (("alone", (x, y), alone), ("folded", (x, np.abs(y)), folded)):
         curve = Curve("singular", np.stack([0 * across[:90], np.linspace(0.1, 0.9, 90)], -1), "singular")
         points, view = np.stack(places, -1), np.eye(3)[:2]
-        section = Section("side", view, ("a", "b"), np.zeros(2), "mid", points, values, (curve,), (), points[0])
+        proof, arm = Certificate(("pinocchio", "screw"), 0.0, 1e-12), points[0]
+        section = Section("side", view, ("a", "b"), np.zeros(2), "mid", points, values, (curve,), (), arm, proof)
         box = np.array([[-1.1, -1.1], [1.1, 1.1]])
         lines[name] = [kind for kind, _ in _curves(section, best_in_cells(points, values, box, (200, 200)), box)]
     assert lines == {"alone": ["singular"], "folded": ["posture"]}

@@ -417,3 +417,28 @@ def test_a_piece_of_a_curve_beyond_limits_that_continues_nothing_is_left_out():
             touches = np.any(np.linalg.norm(ends[:, None] - curve.points[[0, -1]], axis=-1) < 1e-2)
             assert touches or np.linalg.norm(curve.points[0] - curve.points[-1]) < 1e-5
             assert np.min(np.ptp(curve.points, axis=0)) > 0.01 or touches
+
+
+class TestCertificate:
+    @pytest.mark.parametrize("name", ["textbook:scara", "textbook:puma560", "example:panda"])
+    def test_pinocchio_computes_places_all_over_a_section_again(self, name):
+        model = ks.load(name)
+        frame = model.robot.links[-1].name
+        for section in cut(model, frame):
+            assert section.certificate.engines == ("pinocchio", "screw")
+            assert section.certificate.agree is True
+            assert section.certificate.numbers >= 61 * (12 + 6 * len(section.held))
+
+    @pytest.mark.parametrize("answer", ["placement", "jacobian"])
+    def test_it_notices_what_is_off_by_a_micrometre(self, two_links, monkeypatch, answer):
+        model = two_links()
+        right = getattr(model.engine, answer)
+        monkeypatch.setattr(model.engine, answer, lambda *arguments: right(*arguments) + 1e-6)
+        (section,) = cut(model)
+        assert section.certificate.agree is False
+        assert len(section.certificate.values) == 2
+
+    def test_it_says_that_nothing_was_computed_twice(self, two_links):
+        (section,) = cut(replace(two_links(), crosscheck=False))
+        assert section.certificate.agree is None
+        assert section.certificate.numbers == 0

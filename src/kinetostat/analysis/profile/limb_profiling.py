@@ -88,6 +88,8 @@ def limb_profile(
         shown = gathered.attempt(_SECTIONS, lambda: _sections(model, limb, swept, poses, families))
         if shown == ():
             gathered.leave(_SECTIONS, "no two joints move the tool over an area")
+        elif shown is not None:
+            gathered.certify(_SECTIONS, *(section.certificate for section in shown))
     return LimbProfile(
         limb,
         swept,

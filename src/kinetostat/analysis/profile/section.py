@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from kinetostat.analysis.crosscheck import Certificate
 from kinetostat.analysis.singular.slices import Curve
 from kinetostat.conventions import Array
 
@@ -30,6 +31,7 @@ class Section:
         curves: where the arm is singular inside limits, and where one of the two joints is at a limit; in the plane, m.
         unlimited: the singular curves beyond, were there no limits.
         arm: the stick figure at the held pose, projected. (k, 2), m.
+        certificate: what both engines say of places, Jacobians and singular values all over it, and at the extremes.
     """
 
     view: Literal["side", "above"]
@@ -42,6 +44,7 @@ class Section:
     curves: tuple[Curve, ...]
     unlimited: tuple[Curve, ...]
     arm: Array
+    certificate: Certificate
 
     @property
     def same_everywhere(self) -> bool:

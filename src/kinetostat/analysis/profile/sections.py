@@ -8,6 +8,7 @@ import numpy as np
 
 from kinetostat.analysis.configuration import checked
 from kinetostat.analysis.coordinates import coordinates
+from kinetostat.analysis.crosscheck import Certificate, combined
 from kinetostat.analysis.kernels import chain_kernel
 from kinetostat.analysis.profile.anatomy import Limb
 from kinetostat.analysis.profile.cells import covered_around
@@ -19,13 +20,15 @@ from kinetostat.analysis.singular.find import SingularFamilies
 from kinetostat.analysis.singular.mechanism import mechanism
 from kinetostat.analysis.singular.slices import Curve, positions_in_words
 from kinetostat.analysis.skeleton import skeleton
+from kinetostat.analysis.sweeping.certifying import RowWitness, row_witness
 from kinetostat.analysis.task import Task
-from kinetostat.conventions import Array
+from kinetostat.conventions import Array, Velocity
 from kinetostat.engines.model import Model
 
 __all__ = ["sections"]
 
 _POINTS = 181
+_COMPARED = 61  # places of a section that Pinocchio computes again
 _NOTHING = 1e-12  # singular value that is rounding
 
 
@@ -76,8 +79,10 @@ def sections(
     kernel = chain_kernel(joints, ("placement", "jacobian", "singular_values"), rest, task=task, length=length)
     kernel = replace(kernel, rank=_rank(model, limb, task, families))
     arm, held = skeleton(model, limb.frame, rest, limb.base).points, rest[list(joints.indices)]
+    velocity = Velocity(limb.frame, relative_to=limb.base, expressed_in=limb.base)
+    witness = row_witness(joints, kernel, rest, velocity, np.array(ends))
     both = [(view, TwoJoints(joints, kernel, view.pair, held, ends)) for view in views]
-    found = [_section(view, two, name, arm, families) for view, two in both]
+    found = [_section(view, two, name, arm, families, witness) for view, two in both]
     return tuple(one for one in found if one.view == "side" or len(found) == 1 or not one.same_everywhere)
 
 
@@ -88,9 +93,12 @@ def _rank(model: Model, limb: Limb, task: Task, families: SingularFamilies | Non
     return mechanism(model, limb.frame, relative_to=limb.base, axes=task.row_names).generic_rank
 
 
-def _section(view: View, two: TwoJoints, name: str, arm: Array, families: SingularFamilies | None) -> Section:
+def _section(
+    view: View, two: TwoJoints, name: str, arm: Array, families: SingularFamilies | None, witness: RowWitness
+) -> Section:
     x, y = (np.linspace(two.ends[0][index], two.ends[1][index], _POINTS) for index in two.pair)
-    found = two.computed(grid_of(x, y))
+    grid = grid_of(x, y)
+    found = two.computed(grid)
     points, smallest = found["placement"][..., :3, 3] @ view.directions.T, found["singular_values"][..., -1]
     inside, unlimited = singular_curves(two, view.directions, families)
     return Section(
@@ -104,7 +112,31 @@ def _section(view: View, two: TwoJoints, name: str, arm: Array, families: Singul
         (*inside, *_limit_curves(two, points)),
         tuple(unlimited),
         arm @ view.directions.T,
+        _certificate(witness, two.coordinates(grid), found),
     )
+
+
+def _certificate(witness: RowWitness, q: Array, found: dict[str, Array]) -> Certificate:
+    """Return what Pinocchio says of places all over a grid, and of the least and the most dexterous of all.
+
+    Args:
+        witness: who computes them again.
+        q: the limb's coordinates, (b, a, n).
+        found: what the kernel has found there, each (b, a, ...).
+    """
+    smallest = found["singular_values"][..., -1].ravel()
+    spread = np.linspace(0, smallest.size - 1, _COMPARED).astype(int)
+    rows = np.unique([*spread, np.argmin(smallest), np.argmax(smallest)])
+    places = q.reshape(-1, q.shape[-1])[rows]
+    outputs = {name: part.reshape(-1, *part.shape[2:])[rows] for name, part in found.items()}
+    if witness.coordinates.model.witness is None:
+        return combined([witness.certificate(name, None) for name in outputs])
+    proofs = list[Certificate]()
+    for name, apart in witness.differences(places, outputs).items():
+        worst = float(np.max(apart))
+        values = () if worst <= witness.tolerances[name] else (witness.again(places)[name], outputs[name])
+        proofs.append(witness.certificate(name, worst, values, len(rows) * witness.row_size(name)))
+    return combined(proofs)
 
 
 def _limit_curves(two: TwoJoints, points: Array) -> list[Curve]:

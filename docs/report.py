@@ -50,8 +50,8 @@ MEANING = """## What the numbers mean
 
 What is asked of one configuration comes from Pinocchio, and our screw engine, which shares no code with it, computes it
 again. Measures of thousands of random configurations, and of the places of a map of the reach, come from our compiled
-code; of those Pinocchio computes some rows, and all extremes, again. `certificate` counts the numbers that were computed
-twice, and no others, and tells how far the two came apart.
+code; of those Pinocchio computes some rows, and all extremes, again. `certificate` counts the numbers that were
+computed twice, and no others, and tells how far the two came apart.
 
 **Random configurations** are uniform inside limits, those of followers too. An angle without limits makes a whole turn;
 a slide without limits goes 1 m to either side (`left` says so: numbers depend on it). Joints that are not the chain's

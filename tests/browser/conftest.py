@@ -5,8 +5,11 @@ Where there is none these tests are skipped, with the reason; KINETOSTAT_BROWSER
 
 import os
 import shutil
+from contextlib import ExitStack
 
 import pytest
+
+from browser.visiting import Visit
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = (
@@ -40,3 +43,16 @@ def browser():
         missing("no driver for the browser: pip install playwright")
     with sync_playwright() as playwright, playwright.chromium.launch(executable_path=program, args=FLAGS) as browser:
         yield browser
+
+
+@pytest.fixture
+def visited(browser):
+    """What opens a page, given its address, in a tab of its own; all are closed when the test is over."""
+    with ExitStack() as visits:
+
+        def opened(uri, **how):
+            visit = Visit(browser, uri, **how)
+            visits.callback(visit.context.close)
+            return visit
+
+        yield opened

@@ -1,4 +1,4 @@
-"""The report of real robots, written by the real command line; and a tab that looks at its page."""
+"""The report of real robots, written by the real command line."""
 
 import json
 import subprocess
@@ -58,23 +58,3 @@ def written(folder):
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert run.stdout == "out/index.html\n", run.stderr
     return Report(folder / "out", run.returncode, json.loads((folder / "out" / "report.json").read_bytes()))
-
-
-class Visit:
-    """A tab with the page, and what it has asked for and complained of."""
-
-    def __init__(self, browser, uri, width=1400, **context):
-        self.context = browser.new_context(viewport={"width": width, "height": 900}, offline=True, **context)
-        self.tab, self.uri = self.context.new_page(), uri
-        self.said, self.asked = [], []
-        self.tab.on("console", lambda message: self.said.append(f"{message.type}: {message.text}"))
-        self.tab.on("pageerror", lambda error: self.said.append(str(error)))
-        self.tab.on("dialog", lambda dialog: (self.said.append(dialog.message), dialog.dismiss()))
-        self.tab.on("request", lambda request: self.asked.append(request.url))
-        self.tab.goto(uri)
-
-    def open_all(self):
-        self.tab.evaluate("document.querySelectorAll('details').forEach((part) => { part.open = true })")
-
-    def is_open(self, robot):
-        return self.tab.evaluate("(id) => document.getElementById(id).open", robot)

@@ -4,48 +4,19 @@ import itertools
 
 import pytest
 
+from browser.visiting import SHOWN
 from kinetostat.report.fleet.page import page as html_of
 from report.fleet import fleet_documents as made
 
-SHOWN = "[...document.querySelectorAll('#chains tbody tr')].filter(row => !row.hidden)"
-
-
-class Visit:
-    """A page in a tab, and what it has asked for and complained of."""
-
-    def __init__(self, browser, folder, document):
-        path = folder / "index.html"
-        path.write_text(html_of(document, made.drawings(document)), encoding="utf-8")
-        self.tab = browser.new_page(viewport={"width": 1400, "height": 900})
-        self.said, self.asked = [], []
-        self.tab.on("console", lambda message: self.said.append(message.text))
-        self.tab.on("pageerror", lambda error: self.said.append(str(error)))
-        self.tab.on("dialog", lambda dialog: (self.said.append(dialog.message), dialog.dismiss()))
-        self.tab.on("request", lambda request: self.asked.append(request.url))
-        self.uri = path.as_uri()
-        self.tab.goto(self.uri)
-
-    def rows(self, cell=0):
-        return self.tab.evaluate(f"{SHOWN}.map(row => row.cells[{cell}].textContent.trim())")
-
-    def press(self, column):
-        self.tab.click(f"#chains thead th:nth-child({column + 1}) button")
-
-    def is_open(self, robot):
-        return self.tab.evaluate(f"document.getElementById('{robot}').open")
-
 
 @pytest.fixture
-def visit(browser, tmp_path):
-    visits = []
-
+def visit(visited, tmp_path):
     def opened(document):
-        visits.append(Visit(browser, tmp_path, document))
-        return visits[-1]
+        path = tmp_path / "index.html"
+        path.write_text(html_of(document, made.drawings(document)), encoding="utf-8")
+        return visited(path.as_uri())
 
-    yield opened
-    for one in visits:
-        one.tab.close()
+    return opened
 
 
 @pytest.fixture

@@ -6,12 +6,12 @@ import re
 import pytest
 
 from browser.hostile_robot import GROUP, JOINTS, LINKS, ROBOT, STATE, TERMINAL
-from browser.real_report import FAILED, Visit, written
+from browser.real_report import FAILED, written
+from browser.visiting import SHOWN
 from kinetostat.errors import cut, printable
 from report.fleet.html_page import HtmlPage
 
 AA = 4.5  # contrast of text, at least (WCAG 2.2, 1.4.3)
-SHOWN = "[...document.querySelectorAll('#chains tbody tr')].filter((row) => !row.hidden)"
 PLACES = f"{SHOWN}.map((row) => [...row.querySelectorAll('a')].map((link) => link.hash.slice(1)))"
 # Pictures, groups, regions and controls of which nobody who does not see them is told what they are.
 UNNAMED = """() => {
@@ -84,16 +84,8 @@ def parsed(report):
 
 
 @pytest.fixture
-def opened(browser, report):
-    visits = []
-
-    def visit(place="", **how):
-        visits.append(Visit(browser, report.uri + place, **how))
-        return visits[-1]
-
-    yield visit
-    for one in visits:
-        one.context.close()
+def opened(visited, report):
+    return lambda place="", **how: visited(report.uri + place, **how)
 
 
 @pytest.fixture

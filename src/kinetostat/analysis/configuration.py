@@ -17,7 +17,7 @@ from kinetostat.screw import se3, so3
 from kinetostat.urdf.description import NO_LIMIT, Joint, JointType, Robot
 from kinetostat.urdf.srdf import Semantics
 
-__all__ = ["NO_LIMIT", "Configuration", "configuration", "random_configurations"]
+__all__ = ["Configuration", "configuration", "random_configurations"]
 
 LARGEST_ANGLE = 1e6  # rad: beyond it an angle has lost its last digits, and a certificate its meaning
 LARGEST_LENGTH = 1e12  # m
@@ -224,10 +224,13 @@ def stated_range(robot: Robot, joint: Joint) -> tuple[float, float]:
 
 def contradicted(robot: Robot) -> tuple[str, ...]:
     """Return the joints whose followers' limits leave them no range: those limits are left out of account."""
-    single = [joint for joint in robot.independent if joint.type.nq == 1]
-    left = {joint.name: _left_by_followers(robot, joint, joint.limit.range) for joint in single}
-    own = {joint.name: joint.limit.range for joint in single}
-    return tuple(name for name, (lower, upper) in left.items() if lower >= upper and own[name] != (lower, upper))
+    found = []
+    for joint in robot.independent:
+        if joint.type.nq == 1:
+            lower, upper = left = _left_by_followers(robot, joint, joint.limit.range)
+            if lower >= upper and left != joint.limit.range:
+                found.append(joint.name)
+    return tuple(found)
 
 
 def _within_followers(robot: Robot, joint: Joint, whole: tuple[float, float]) -> tuple[float, float]:

@@ -75,6 +75,11 @@ class Coordinates:
         single = [stated_range(robot, j) if j.type.nq == 1 else (-math.inf, math.inf) for j in self.joints]
         return np.array([ends[0] for ends in single]), np.array([ends[1] for ends in single])
 
+    @property
+    def locked(self) -> tuple[str, ...]:
+        """Coordinates whose limits are one position."""
+        return tuple(name for name, low, high in zip(self.names, *self.limits, strict=True) if low == high)
+
     @cached_property
     def spans(self) -> tuple[Array, Array]:
         """Ends to draw between when limits of angles do not count: a whole turn; limits, where turns do not repeat.

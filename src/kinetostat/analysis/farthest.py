@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetostat.analysis.configuration import NO_LIMIT, checked, position_range
+from kinetostat.analysis.configuration import checked, position_range
 from kinetostat.analysis.coordinates import coordinates
 from kinetostat.analysis.crosscheck import Certificate
 from kinetostat.analysis.kinematics import fk
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, quote
-from kinetostat.urdf.description import Joint
+from kinetostat.urdf.description import NO_LIMIT, Joint
 
 __all__ = ["Farthest", "bounded_joints", "farthest"]
 

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from kinetostat.analysis.configuration import LARGEST_LENGTH, NO_LIMIT, checked, checked_rates
+from kinetostat.analysis.configuration import LARGEST_LENGTH, checked, checked_rates
 from kinetostat.analysis.crosscheck import Certificate, certified, length_scale
 from kinetostat.analysis.jacobian import labelled, velocity_units
 from kinetostat.analysis.task import FULL, Task, turning_columns
@@ -21,7 +21,7 @@ from kinetostat.conventions import Array, Flags, Reference, Velocity
 from kinetostat.engines.model import Model
 from kinetostat.engines.protocol import Engine
 from kinetostat.errors import UsageError, quote
-from kinetostat.urdf.description import Joint, Robot
+from kinetostat.urdf.description import NO_LIMIT, Joint, Robot
 
 __all__ = ["ResolvedRates", "resolved_rates"]
 

@@ -39,7 +39,11 @@ def typical_length(coordinates: Coordinates, task: Task) -> float | None:
     """
     if not task.mixes(coordinates.turning):
         return None
-    columns, turning = _columns(coordinates)
+    return _length(coordinates, task, *_columns(coordinates))
+
+
+def _length(coordinates: Coordinates, task: Task, columns: Array, turning: list[bool]) -> float | None:
+    """Return the length of columns (m, 6), some of joints that turn; None where there is none."""
     length = float(characteristic_length(columns.T, turning, task))
     return length if length > _NONE * coordinates.model.robot.reach else None
 
@@ -86,13 +90,13 @@ def asked_length(coordinates: Coordinates, task: Task, wanted: float | str) -> t
     if wanted == "none":
         return None, "none: metres and radians as they are"
     if wanted == "auto":
-        length = typical_length(coordinates, task)
-        if length is not None:
-            shown = " ".join(task.row_names) if task.mixed and task.name == "task" else "all rows"
-            return length, f"auto: equal weight of linear and angular parts over configurations inside limits ({shown})"
         if not task.mixes(coordinates.turning):
             return None, "auto: none is needed, nothing mixes metres and radians"
         columns, turning = _columns(coordinates)
+        length = _length(coordinates, task, columns, turning)
+        if length is not None:
+            shown = " ".join(task.row_names) if task.mixed and task.name == "task" else "all rows"
+            return length, f"auto: equal weight of linear and angular parts over configurations inside limits ({shown})"
         if np.all(np.abs(columns[turning][:, task.linear]) <= _NONE * coordinates.model.robot.reach):
             return None, PURE
         return None, "auto: there is none, no turn moves an angular row that counts"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetostat.analysis.configuration import NO_LIMIT, checked, random_configurations
+from kinetostat.analysis.configuration import checked, random_configurations
 from kinetostat.analysis.crosscheck import Certificate
 from kinetostat.analysis.loads import EffortLimits, Payload, checked_gravity
 from kinetostat.analysis.statics import torque
@@ -15,7 +15,7 @@ from kinetostat.analysis.worst_climb import WorstClimb
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import UsageError, quoted
-from kinetostat.urdf.description import Joint, Robot
+from kinetostat.urdf.description import NO_LIMIT, Joint, Robot
 
 __all__ = ["WorstTorques", "worst_torques"]
 

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from kinetostat.analysis.configuration import NO_LIMIT, position_range
+from kinetostat.analysis.configuration import position_range
 from kinetostat.analysis.loads import Payload, carried, point_masses
 from kinetostat.analysis.torque_ascent import TorqueAscent
 from kinetostat.analysis.worst_samples import compiled_torques, worst_samples
@@ -16,7 +16,7 @@ from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.engines.screw import ScrewEngine
 from kinetostat.screw.tree import Tree
-from kinetostat.urdf.description import Joint
+from kinetostat.urdf.description import NO_LIMIT, Joint
 
 __all__ = ["WorstClimb"]
 

@@ -32,7 +32,19 @@ from kinetostat.errors import (
     unknown_name,
 )
 
-__all__ = ["MASSLESS", "Inertial", "Joint", "JointType", "Limit", "Link", "Mimic", "Origin", "Remark", "Robot"]
+__all__ = [
+    "MASSLESS",
+    "NO_LIMIT",
+    "Inertial",
+    "Joint",
+    "JointType",
+    "Limit",
+    "Link",
+    "Mimic",
+    "Origin",
+    "Remark",
+    "Robot",
+]
 
 Vector = tuple[float, float, float]
 
@@ -287,13 +299,16 @@ class Robot:
             down.pop()
         return [(joint, -1) for joint in up] + [(joint, +1) for joint in reversed(down)]
 
+    def moving_path(self, start: str, end: str) -> list[Joint]:
+        """Return the joints between two links that are not fixed, in path order, followers as they are."""
+        return [joint for joint, _ in self.path(start, end) if joint.type is not JointType.FIXED]
+
     def movable_path(self, start: str, end: str) -> list[Joint]:
         """Return the independent joints that move one link against another, in path order, leaders for followers."""
         found: dict[str, Joint] = {}
-        for joint, _ in self.path(start, end):
-            if joint.type is not JointType.FIXED:
-                leader = self.joint_by_name[self.followers[joint.name].joint] if joint.mimic else joint
-                found.setdefault(leader.name, leader)
+        for joint in self.moving_path(start, end):
+            leader = self.joint_by_name[self.followers[joint.name].joint] if joint.mimic else joint
+            found.setdefault(leader.name, leader)
         return list(found.values())
 
     def moving_joints(self, start: str, end: str) -> list[Joint]:

@@ -13,7 +13,7 @@ from kinetostat.analysis.profile.grippers import without_gripper
 from kinetostat.analysis.profile.runs import Run, carries_hand, runs
 from kinetostat.analysis.profile.wheels import spins
 from kinetostat.engines.model import Model
-from kinetostat.urdf.description import Joint, JointType, Robot
+from kinetostat.urdf.description import Joint, Robot
 
 __all__ = ["Found", "Hand", "found"]
 
@@ -71,7 +71,8 @@ def found(model: Model) -> Found:
     limbs = _driven(limbs)
     wheels = {frame for frame in limbs if len(limbs) > 1 and spins(model, frame)}  # one alone is what there is
     rest = [limb for frame, limb in limbs.items() if frame not in wheels]
-    long = [limb for limb in rest if _moving(robot, limb) > 1] or rest
+    # A finger that one motor bends is no lone joint: its followers move, too.
+    long = [limb for limb in rest if len(robot.moving_path(limb.base, limb.frame)) > 1] or rest
     kept = {limb.frame for limb in long}
     return Found(
         tuple(long),
@@ -132,8 +133,3 @@ def _driven(limbs: dict[str, Limb]) -> dict[str, Limb]:
             for joint in joints:
                 driven[joint].add(frame)
     return kept
-
-
-def _moving(robot: Robot, limb: Limb) -> int:
-    """Return how many joints move in a limb, followers too: a finger that one motor bends has three."""
-    return sum(joint.type is not JointType.FIXED for joint, _ in robot.path(limb.base, limb.frame))

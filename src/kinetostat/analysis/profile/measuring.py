@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetostat.analysis.configuration import NO_LIMIT
 from kinetostat.analysis.coordinates import coordinates
 from kinetostat.analysis.profile.anatomy import Limb
 from kinetostat.analysis.profile.gathering import Gathered
@@ -15,6 +14,7 @@ from kinetostat.analysis.sweeping.sweep import DEFAULT, RowBlock, Sweep, sweep
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
 from kinetostat.errors import quoted
+from kinetostat.urdf.description import NO_LIMIT
 
 __all__ = ["Measured", "measured", "measured_at"]
 
@@ -106,7 +106,5 @@ def _say_what_limits_lack(model: Model, limb: Limb, gathered: Gathered) -> None:
         some = [name for name, one, kind in zip(arm.names, endless, arm.turning, strict=True) if one and kind is turns]
         if some:
             gathered.leave(f"the whole range of {quoted(some)}", f"no limit: taken within {words}")
-    lower, upper = arm.limits
-    locked = [name for name, low, high in zip(arm.names, lower, upper, strict=True) if low == high]
-    if locked:
-        gathered.leave(f"motion of {quoted(locked)}", "limits are one position: locked there")
+    if arm.locked:
+        gathered.leave(f"motion of {quoted(arm.locked)}", "limits are one position: locked there")

@@ -162,8 +162,8 @@ def _distances(held: Array, tool: Array, points: Array) -> tuple[float, float]:
     """Return the least and the largest distance of the tool from the first of two joints while the second moves.
 
     It is the distance from the point of the first axis that is nearest to the second, which neither of them moves; of
-    axes that are nearly parallel, from the one nearest to the tool. Where one
-    of the two slides, it is how far the tool comes.
+    axes that are nearly parallel, from the one nearest to the tool. Where one of the two slides, it is how far the tool
+    comes.
 
     Args:
         held: the twists of the tool by the two where all joints are held. (6, 2).

@@ -112,29 +112,30 @@ def _section(
         (*inside, *_limit_curves(two, points)),
         tuple(unlimited),
         arm @ view.directions.T,
-        _certificate(witness, two.coordinates(grid), found),
+        _certificate(witness, two, grid, found),
     )
 
 
-def _certificate(witness: RowWitness, q: Array, found: dict[str, Array]) -> Certificate:
+def _certificate(witness: RowWitness, two: TwoJoints, grid: Array, found: dict[str, Array]) -> Certificate:
     """Return what Pinocchio says of places all over a grid, and of the least and the most dexterous of all.
 
     Args:
         witness: who computes them again.
-        q: the limb's coordinates, (b, a, n).
+        two: the joints that move.
+        grid: their coordinates, (b, a, 2).
         found: what the kernel has found there, each (b, a, ...).
     """
     smallest = found["singular_values"][..., -1].ravel()
     spread = np.linspace(0, smallest.size - 1, _COMPARED).astype(int)
     rows = np.unique([*spread, np.argmin(smallest), np.argmax(smallest)])
-    places = q.reshape(-1, q.shape[-1])[rows]
+    q = two.coordinates(grid.reshape(-1, 2)[rows])
     outputs = {name: part.reshape(-1, *part.shape[2:])[rows] for name, part in found.items()}
-    if witness.coordinates.model.witness is None:
+    if not two.joints.model.crosscheck:
         return combined([witness.certificate(name, None) for name in outputs])
     proofs = list[Certificate]()
-    for name, apart in witness.differences(places, outputs).items():
+    for name, apart in witness.differences(q, outputs).items():
         worst = float(np.max(apart))
-        values = () if worst <= witness.tolerances[name] else (witness.again(places)[name], outputs[name])
+        values = () if worst <= witness.tolerances[name] else (witness.again(q)[name], outputs[name])
         proofs.append(witness.certificate(name, worst, values, len(rows) * witness.row_size(name)))
     return combined(proofs)
 

@@ -241,15 +241,14 @@ def _about_limits(chain: Coordinates, source: Source) -> list[str]:
         return []
     (low, high), (lower, upper) = chain.stated_limits, chain.limits
     named = list(zip(chain.names, chain.turning, low, high, lower, upper, strict=True))
-    locked = [name for name, _, _, _, c, d in named if c == d]
     missing = [
         f"{cut(name)} ({c:.4g} to {d:.4g} {'rad' if turns else 'm'})"
         for name, turns, a, b, c, d in named
         if not (a >= c and b <= d)
     ]
     warnings = []
-    if locked:
-        warnings.append(f"the limits of {quoted(locked)} are one position: locked there")
+    if chain.locked:
+        warnings.append(f"the limits of {quoted(chain.locked)} are one position: locked there")
     if missing:
         more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
         warnings.append(f"no limits, so swept: {', '.join(missing[:3])}{more}")

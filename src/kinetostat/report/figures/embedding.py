@@ -11,7 +11,6 @@ import base64
 import io
 import re
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
@@ -54,7 +53,7 @@ _PLAIN = dict.fromkeys(("fill-opacity", "stroke-opacity", "opacity"), "1")  # wh
 _PLAIN |= {"stroke-dashoffset": "0", "stroke-linecap": "butt"}
 
 
-def embedded(figure: Figure, prefix: str, names: Mapping[str, str] = MappingProxyType({})) -> str:
+def embedded(figure: Figure, prefix: str, names: Mapping[str, str] | None = None) -> str:
     """Return a figure as an <svg class="figure"> element that can stand in an HTML page; the same every time.
 
     Text stays text, in the font of the page. Its size is that of paper in CSS's pixels, and scales with its viewBox.
@@ -81,7 +80,7 @@ def embedded(figure: Figure, prefix: str, names: Mapping[str, str] = MappingProx
     for child in drawn:
         _take(child, svg, shared)
     _rename(svg, re.sub(r"[^A-Za-z0-9_-]", "-", prefix))
-    _name_links(svg, names)
+    _name_links(svg, names or {})
     if not len(shared):
         svg.remove(shared)
     return ET.tostring(svg, encoding="unicode")

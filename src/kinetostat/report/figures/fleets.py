@@ -26,7 +26,7 @@ from kinetostat.report.figures.sheet import (
     text_width,
 )
 from kinetostat.report.fleet.document import ChainRow, FleetDocument
-from kinetostat.report.fleet.wording import chain_labels, chains_of, compared, dexterity
+from kinetostat.report.fleet.wording import chain_labels, chains_of, comparable, compared, dexterity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -122,7 +122,7 @@ def _dots(document: FleetDocument) -> Iterator[_Dot]:
 def _left_out(document: FleetDocument, dots: Sequence[_Dot]) -> list[str]:
     """Return lines that say what is not shown."""
     chains = chains_of(document)
-    alone = sum(len(chain.joints) == 1 or chain.turns_only for chain in chains)
+    alone = sum(not comparable(chain) for chain in chains)
     counts = (
         (alone, "chain", "of one joint, or that only turn their tool: they have no dexterity to compare"),
         (len(chains) - len(dots) - alone, "chain", "without reach or dexterity"),

@@ -15,6 +15,7 @@ from kinetostat.analysis.profile.anatomy import Limb
 from kinetostat.analysis.profile.result import LimbPose, LimbProfile
 from kinetostat.conventions import Array
 from kinetostat.engines.model import Model
+from kinetostat.report.alike import alike
 from kinetostat.report.figures.ellipsoids import (
     Shape,
     draw_ellipsoid,
@@ -82,7 +83,7 @@ def poses_figure(model: Model, profile: LimbProfile) -> Figure:
     title = f"{named(limb.name)} at its named poses"
     if not profile.poses:
         return empty_sheet(title, ["there is no pose that can be drawn"])
-    every = _distinct([(pose, scene_of(model, pose.manipulability, pose.at)) for pose in profile.poses])
+    every = alike(((pose, scene_of(model, pose.manipulability, pose.at)) for pose in profile.poses), _same)
     poses = [group[0][0] for group in every[:MOST_POSES]]
     scenes = _to_scales([_bounded(*group[0]) for group in every[:MOST_POSES]])
     up = model.engine.placement(poses[0].at.q, model.robot.root, limb.base)[:3, 2]
@@ -105,22 +106,11 @@ def poses_figure(model: Model, profile: LimbProfile) -> Figure:
         return figure
 
 
-def _distinct(poses: Sequence[tuple[LimbPose, Scene]]) -> list[list[tuple[LimbPose, Scene]]]:
-    """Return the poses with their scenes, those that look and measure the same together."""
-    groups = list[list[tuple[LimbPose, Scene]]]()
-    for both in poses:
-        same = next((group for group in groups if _same(group[0], both)), None)
-        if same is None:
-            groups.append([both])
-        else:
-            same.append(both)
-    return groups
-
-
 def _same(one: tuple[LimbPose, Scene], other: tuple[LimbPose, Scene]) -> bool:
+    """Return whether two poses with their scenes look and measure the same."""
     points, others = one[1].arm.points, other[1].arm.points
-    alike = points.shape == others.shape and np.abs(points - others).max() < _SAME * one[1].size
-    return bool(alike and one[0].inside == other[0].inside and _numbers(one[0]) == _numbers(other[0]))
+    looks = points.shape == others.shape and np.abs(points - others).max() < _SAME * one[1].size
+    return bool(looks and one[0].inside == other[0].inside and _numbers(one[0]) == _numbers(other[0]))
 
 
 def _view(profile: LimbProfile, scenes: Sequence[Scene], up: Array) -> tuple[Array, Array]:

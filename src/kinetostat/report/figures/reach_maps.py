@@ -87,7 +87,7 @@ def reach_figure(profile: LimbProfile) -> Figure:
     joints is at a limit. A section in which the smallest singular value is the same everywhere has no colours. A
     profile without sections is drawn as what random configurations reach, alone.
     """
-    views = _views(profile)
+    views = sorted(_views(profile), key=lambda one: one[1] is not None and one[1].view != "side")
     boxes = [_extent(profile, view, section) for view, section in views]
     coloured = not all(section is None or section.same_everywhere for _, section in views)
     panels = _panels([box[1] - box[0] for box in boxes], coloured=coloured)
@@ -123,7 +123,7 @@ def reach_thumbnail(profile: LimbProfile) -> tuple[Figure, float]:
     """
     from matplotlib.figure import Figure
 
-    view, section = (profile.sections[0].directions, profile.sections[0]) if profile.sections else _views(profile)[0]
+    view, section = _views(profile)[0]
     box = _extent(profile, view, section, unlimited=False)
     panel = (_THUMBNAIL, _THUMBNAIL)
     box = _filling(box, panel)
@@ -147,8 +147,7 @@ def reach_thumbnail(profile: LimbProfile) -> tuple[Figure, float]:
 def _views(profile: LimbProfile) -> list[tuple[Array, Section | None]]:
     """Return the directions (2, 3) of each panel, with its section: from the side first."""
     if profile.sections:
-        ordered = sorted(profile.sections, key=lambda section: section.view != "side")
-        return [(section.directions, section) for section in ordered]
+        return [(section.directions, section) for section in profile.sections]
     spans = [float(np.prod(np.sort(np.ptp(profile.positions @ plane.T, axis=0) + 1e-9))) for plane in _PLANES]
     return [(_PLANES[int(np.argmax(np.array(spans) >= max(spans) * (1 - 1e-6)))], None)]
 

@@ -102,7 +102,7 @@ def tree_figure(robot: Robot, limbs: Sequence[Limb]) -> Figure:
     is black. Four joints or more beside each other that belong to no limb, as in a hand, are folded into one symbol.
     """
     root = _tree(robot)
-    _fold(root, {name for limb in limbs for name in _joints_of(robot, limb)})
+    _fold(root, {joint.name for limb in limbs for joint in robot.moving_path(limb.base, limb.frame)})
     _place(root)
     with house_style():
         return _drawn(robot, list(root.all()), limbs)
@@ -150,11 +150,6 @@ def _tree(robot: Robot) -> _Node:
                     node.below.append(_Node((joint,), [joint.child], depth=node.depth + 1))
         stack += node.below
     return root
-
-
-def _joints_of(robot: Robot, limb: Limb) -> list[str]:
-    """Return the joints that move a limb's frame, followers too."""
-    return [joint.name for joint, _ in robot.path(limb.base, limb.frame) if joint.type is not JointType.FIXED]
 
 
 def _fold(root: _Node, ours: set[str]) -> None:
@@ -308,8 +303,8 @@ def _styles(robot: Robot, limbs: Sequence[Limb]) -> dict[str, tuple[str, Any]]:
     found = dict[str, tuple[str, Any]]()
     for i, limb in enumerate(limbs):
         style = (_COLOURS[i % len(_COLOURS)], _DASHES[i // len(_COLOURS) % len(_DASHES)])
-        for joint in _joints_of(robot, limb):
-            found[joint] = (INK, "-") if joint in found else style
+        for joint in robot.moving_path(limb.base, limb.frame):
+            found[joint.name] = (INK, "-") if joint.name in found else style
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from kinetostat.analysis.profile.result import LimbProfile, RobotProfile
@@ -37,12 +37,10 @@ def fleet_drawings(document: FleetDocument) -> dict[str, Drawing]:
     """Return the pictures of the fleet, by their keys."""
     if not any(robot.chains for robot in document.robots):
         return {}
-    from kinetostat.report.figures.embedding import embedded
     from kinetostat.report.figures.fleets import scatter_figure
 
-    key = "fleet/scatter"
-    svg = embedded(scatter_figure(document), key.replace("/", "-"), chain_labels(document))
-    return {key: Drawing(svg, alts.scatter_alt(document))}
+    key, names = "fleet/scatter", chain_labels(document)
+    return {key: _drawing(key, scatter_figure(document), alts.scatter_alt(document), names=names)}
 
 
 def _limb_drawings(chain: ChainRow, limb: LimbProfile, robot: RobotProfile) -> Iterator[tuple[str, Drawing]]:
@@ -65,7 +63,9 @@ def _limb_drawings(chain: ChainRow, limb: LimbProfile, robot: RobotProfile) -> I
         yield drawn("distributions", distributions_figure(limb), alts.distributions_alt(chain))
 
 
-def _drawing(key: str, figure: Figure, alt: str, metres: float = 0.0) -> Drawing:
+def _drawing(
+    key: str, figure: Figure, alt: str, metres: float = 0.0, names: Mapping[str, str] | None = None
+) -> Drawing:
     from kinetostat.report.figures.embedding import embedded
 
-    return Drawing(embedded(figure, prefix=key.replace("/", "-")), alt, metres)
+    return Drawing(embedded(figure, key.replace("/", "-"), names), alt, metres)

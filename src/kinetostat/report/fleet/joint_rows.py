@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kinetostat.analysis.configuration import NO_LIMIT
 from kinetostat.analysis.loads import effort_limits
 from kinetostat.analysis.profile.result import LimbProfile, RobotProfile
 from kinetostat.analysis.worst import WorstTorques
@@ -12,7 +11,7 @@ from kinetostat.conventions import Array
 from kinetostat.errors import quoted
 from kinetostat.report.fleet.document import JointRow, LeftRow, UseRow
 from kinetostat.report.fleet.numbers import finite
-from kinetostat.urdf.description import Joint, JointType, Robot
+from kinetostat.urdf.description import NO_LIMIT, Joint, JointType, Robot
 
 __all__ = ["joint_rows", "unstated_efforts", "worst_use"]
 

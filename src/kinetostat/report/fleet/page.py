@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kinetostat.errors import cut
+from kinetostat.report.alike import alike
 from kinetostat.report.check.words import counted
 from kinetostat.report.figures.embedding import THEME
 from kinetostat.report.figures.sheet import rounded
@@ -186,9 +187,9 @@ def _thumbnails(document: FleetDocument, drawings: Mapping[str, Drawing]) -> lis
     if len(small) < 2:
         return []
     found = [
-        (robot, tuple(alike), small[alike[0].id])
+        (robot, tuple(group), small[group[0].id])
         for robot in document.robots
-        for alike in _alike([chain for chain in robot.chains if chain.id in small])
+        for group in alike((chain for chain in robot.chains if chain.id in small), _same)
     ]
     groups = list[list[_Small]]()
     for one in sorted(found, key=lambda one: -one[2].metres):
@@ -198,20 +199,8 @@ def _thumbnails(document: FleetDocument, drawings: Mapping[str, Drawing]) -> lis
     return [_at_one_scale(sorted(group, key=lambda one: -(one[1][0].reach or 0.0))) for group in groups]
 
 
-def _alike(chains: Sequence[ChainRow]) -> list[list[ChainRow]]:
-    """Return chains of a robot in groups that have as many joints and the same numbers: four legs, two arms."""
-    groups = list[list[ChainRow]]()
-    for chain in chains:
-        group = next((group for group in groups if _same(group[0], chain)), None)
-        if group is None:
-            groups.append([chain])
-        else:
-            group.append(chain)
-    return groups
-
-
 def _same(one: ChainRow, other: ChainRow) -> bool:
-    """Return whether two chains have as many joints, reach as far, and are as dexterous."""
+    """Return whether two chains have as many joints, reach as far, and are as dexterous: four legs, two arms."""
     pairs = ((one.reach, other.reach), (wording.dexterity(one, "0.5"), wording.dexterity(other, "0.5")))
     return len(one.joints) == len(other.joints) and all(
         a == b or (a is not None and b is not None and math.isclose(a, b, rel_tol=_ALIKE)) for a, b in pairs
@@ -221,8 +210,8 @@ def _same(one: ChainRow, other: ChainRow) -> bool:
 def _at_one_scale(found: Sequence[_Small]) -> _Thumbnails:
     scale = _WIDEST / max(drawing.metres for _, _, drawing in found)  # px/m
     shown = (
-        _Thumbnail(alike[0], alike, robot, drawing, _sized(drawing.svg, scale * drawing.metres))
-        for robot, alike, drawing in found
+        _Thumbnail(chains[0], chains, robot, drawing, _sized(drawing.svg, scale * drawing.metres))
+        for robot, chains, drawing in found
     )
     metres = rounded(0.5 * _WIDEST / scale, (1, 2, 5))
     return _Thumbnails(tuple(shown), metres, scale * metres)

@@ -30,6 +30,7 @@ __all__ = [
     "chains_of",
     "check_text",
     "checked",
+    "comparable",
     "compared",
     "dexterity",
     "distribution",
@@ -121,16 +122,16 @@ def quantile(chain: ChainRow, measure: str, share: str) -> float | None:
 
 
 def dexterity(chain: ChainRow, share: str) -> float | None:
-    """Return a quantile of the dexterity; None if it is not known, or says nothing (`_comparable`)."""
-    return quantile(chain, "inverse_condition_number", share) if _comparable(chain) else None
+    """Return a quantile of the dexterity; None if it is not known, or says nothing (`comparable`)."""
+    return quantile(chain, "inverse_condition_number", share) if comparable(chain) else None
 
 
 def near_singular(chain: ChainRow) -> float | None:
     """Return the share of configurations whose dexterity is low; None where that says nothing."""
-    return chain.near_singular_share if _comparable(chain) else None
+    return chain.near_singular_share if comparable(chain) else None
 
 
-def _comparable(chain: ChainRow) -> bool:
+def comparable(chain: ChainRow) -> bool:
     """Return whether its dexterity says something: one joint has one singular value, which is smallest and largest.
 
     Of joints that only turn the tool it compares turns alone, which is not what that of an arm is.
